@@ -25,6 +25,28 @@ fn remains_of_killed_run_are_removed() {
     assert_eq!(place.names("out"), FILES);
 }
 
+#[test]
+fn new_run_removes_pictures_of_an_earlier_run() {
+    let place = Place::new();
+    let run = |options: &str| {
+        place.ok(&format!("run PATCH --size 16x12 --functional {options}"));
+        place.names("out")
+    };
+    let three = run("--frames 3 --orbit 30");
+    assert!(["image-0003.png", "reference-0003.png", "difference-0003.png"].iter().all(|name| three.contains(&(*name).into())));
+    // No report lists these.
+    let own = ["image-0009.png", "own.png"];
+    own.iter().for_each(|name| fs::write(place.path("out").join(name), "mine").expect("written"));
+    assert_eq!(run("--no-exact"), ["image-0009.png", "image.png", "own.png", "report.json"]);
+    assert_eq!(
+        run("--frames 2 --orbit 30 --no-exact"),
+        [&["image-0001.png", "image-0002.png"], &own[..], &["report.json"]].concat()
+    );
+    // The run before had no exact picture, so this file is not of it.
+    fs::write(place.path("out/reference-0001.png"), "mine").expect("written");
+    assert_eq!(run("--no-exact"), ["image-0009.png", "image.png", "own.png", "reference-0001.png", "report.json"]);
+}
+
 /// Publishing hundreds of images takes some milliseconds. The run is killed once the first of them is in its place.
 #[cfg(unix)]
 #[test]

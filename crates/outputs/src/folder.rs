@@ -54,6 +54,11 @@ impl OutputFolder {
         fs::remove_file(&path).map(|()| file)
     }
 
+    /// Returns the path of the folder.
+    pub fn path(&self) -> &Path {
+        &self.folder
+    }
+
     /// Returns the final path of a file.
     pub fn place(&self, name: &str) -> PathBuf {
         self.folder.join(name)
@@ -76,7 +81,7 @@ impl OutputFolder {
 
     /// Publishes one file before the others; it stays even if the run fails. Removes the files named in `belong`, which are of an
     /// older run.
-    pub fn show(&self, name: &str, belong: &[&str]) -> io::Result<()> {
+    pub fn show(&self, name: &str, belong: &[String]) -> io::Result<()> {
         let _lock = UnfinishedFiles::lock();
         let file = self.partial.join(name);
         sync(&file)?;
@@ -87,14 +92,14 @@ impl OutputFolder {
     /// Publishes all files, `last` after the others: a reader that finds it finds the others too. Two runs publish into a folder one after
     /// the other. An older `last` and the older files named in `belong` are removed first, so that a run killed here never leaves them
     /// beside new files.
-    pub fn publish(mut self, last: &str, belong: &[&str]) -> io::Result<()> {
+    pub fn publish(mut self, last: &str, belong: &[String]) -> io::Result<()> {
         let _turn = turn(&self.folder)?;
         let mut unfinished = UnfinishedFiles::lock();
         let others = self.others(last)?;
         let names: Vec<&Path> = others.iter().map(AsRef::as_ref).chain([Path::new(last)]).collect();
         // A file that is renamed before its content is on disk can be empty after a power cut.
         names.iter().try_for_each(|name| sync(&self.partial.join(name)))?;
-        belong.iter().chain([&last]).try_for_each(|name| remove_if_there(&self.folder.join(name)))?;
+        belong.iter().map(String::as_str).chain([last]).try_for_each(|name| remove_if_there(&self.folder.join(name)))?;
         names.iter().try_for_each(|name| fs::rename(self.partial.join(name), self.folder.join(name)))?;
         fs::remove_dir_all(&self.partial)?;
         unfinished.forget(&self.leftovers);

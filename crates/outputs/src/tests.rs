@@ -46,7 +46,7 @@ fn stale_recording_is_removed_with_its_report() {
     let publish = |names: &[&str]| {
         let outputs = OutputFolder::begin(base.path()).unwrap();
         names.iter().for_each(|name| drop(outputs.create(name).unwrap()));
-        outputs.publish(REPORT, &[RECORDING]).unwrap();
+        outputs.publish(REPORT, &[RECORDING.into()]).unwrap();
     };
     publish(&[REPORT, RECORDING, "image.png"]);
     publish(&[REPORT, RECORDING]);
@@ -68,14 +68,14 @@ fn old_report_never_lies_beside_new_images() {
     let outputs = OutputFolder::begin(base.path()).unwrap();
     write_all(&outputs, &["image.png".into()], "new");
     assert_eq!(names(base.path()).len(), 1 + OF_A_RUN.len() + 1);
-    outputs.show("image.png", &OF_A_RUN).unwrap();
+    outputs.show("image.png", &OF_A_RUN.map(str::to_owned)).unwrap();
     drop(outputs);
     assert_eq!(names(base.path()), ["image.png"]);
     // The best image of a failed run.
     old();
     let outputs = OutputFolder::begin(base.path()).unwrap();
     write_all(&outputs, &["image.png".into()], "best");
-    outputs.publish("image.png", &OF_A_RUN).unwrap();
+    outputs.publish("image.png", &OF_A_RUN.map(str::to_owned)).unwrap();
     assert_eq!(names(base.path()), ["image.png"]);
 }
 

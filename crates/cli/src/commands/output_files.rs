@@ -8,7 +8,7 @@ use super::reporting::publish_report;
 use super::requests::RequestsFile;
 use crate::args::SimulationArgs;
 use crate::error::{CommandError, CommandResult};
-use crate::outputs::{OF_A_RUN, OutputFolder, PartialFile};
+use crate::outputs::{OutputFolder, PartialFile, earlier_files};
 use crate::progress::InputProgress;
 use basrelief_reference::metrics;
 use basrelief_report::Report;
@@ -90,7 +90,7 @@ impl Observer for OutputFiles {
                 if exhibit.info.form == AuxForm::PicturePerRound {
                     if self.real.is_some() {
                         let failed = |e| format!("{}: cannot be written: {e}", self.outputs.place(name).display());
-                        self.outputs.show(name, &OF_A_RUN).map_err(failed)?;
+                        self.outputs.show(name, &earlier_files(self.outputs.path())).map_err(failed)?;
                     }
                     self.shown = Some((exhibit.frame, name.clone()));
                 }
@@ -206,7 +206,8 @@ impl OutputFiles {
     /// Keeps the best image of the unfinished frame of a failed run.
     pub fn keep_best_image(self, error: CommandError) -> CommandError {
         let Some((_, best)) = self.shown.filter(|(frame, _)| *frame as usize >= self.frames) else { return error };
-        match self.outputs.copy(&best, "image.png").and_then(|()| self.outputs.publish("image.png", &OF_A_RUN)) {
+        let earlier = earlier_files(self.outputs.path());
+        match self.outputs.copy(&best, "image.png").and_then(|()| self.outputs.publish("image.png", &earlier)) {
             Ok(()) => error,
             Err(e) => CommandError::BadInput(format!("{error}\nThe best image so far cannot be written: {e}")),
         }

@@ -3,12 +3,13 @@
 use super::recording::ShortRecording;
 use crate::args::TablesArgs;
 use crate::error::{CommandResult, print_styled};
-use crate::outputs::{OF_A_RUN, OutputFolder, REPORT, RUN_RECORDING};
+use crate::outputs::{OutputFolder, REPORT, RUN_RECORDING, earlier_files};
 use basrelief_report::{Report, TextStyle, to_csv, to_text};
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Writes the report, its tables and the recording, and publishes everything. Returns the names of the written files.
+/// Writes the report, its tables and the recording, and publishes everything. Removes the files of an earlier run. Returns the names of
+/// the written files.
 pub fn publish_report(
     outputs: OutputFolder,
     report: &Report,
@@ -26,7 +27,8 @@ pub fn publish_report(
     if recording.map_or(Ok(false), |recording| recording.write_to(&outputs))? {
         names.push(RUN_RECORDING);
     }
-    outputs.publish(REPORT, &OF_A_RUN)?;
+    let earlier = earlier_files(outputs.path());
+    outputs.publish(REPORT, &earlier)?;
     Ok(names)
 }
 
