@@ -356,7 +356,7 @@ export class Page implements Handlers {
     let bytes = 0;
     return told => {
       if ("came" in told) return this.#path.came((bytes += told.came));
-      this.#sketch(told.sketch, told.rest, "a picture that better ones follow");
+      this.#sketch(told.sketch, told.rest, "an image that better ones follow");
     };
   }
 

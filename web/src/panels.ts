@@ -46,7 +46,7 @@ export function lead(into: HTMLElement, { run, whole }: Shown): void {
   }
   const html = run.sections.find(({ id }) => id === "bottlenecks")?.html ?? "";
   const sentence = new DOMParser().parseFromString(html, "text/html").querySelector(".lead")?.textContent ?? "";
-  into.textContent = !cycles ? "" : whole ? sentence : "The bottleneck is measured when the picture rests.";
+  into.textContent = !cycles ? "" : whole ? sentence : "The bottleneck is measured when the image rests.";
   into.classList.toggle("quiet", !whole);
 }
 

@@ -144,7 +144,7 @@ export class Results {
   // Display.
 
   #choices(): void {
-    const named = this.#pins.map(({ pictures: [image] }, n) => ({ ...image!, name: n === 0 ? "pinned" : "pinned B", about: "the pinned run's picture" }));
+    const named = this.#pins.map(({ pictures: [image] }, n) => ({ ...image!, name: n === 0 ? "pinned" : "pinned B", about: "the pinned run's image" }));
     const all = [...this.#now?.pictures ?? [], ...named];
     const [left, right] = [byId<HTMLSelectElement>("left"), byId<HTMLSelectElement>("right")];
     chooser(left, all, undefined);

@@ -41,7 +41,7 @@ export function reportPage({ report, text, sections }: Run, pictures: Picture[])
   });
   const kept = pictures.filter(({ name }) => SHOWN.includes(name));
   const small = size.width < 480 ? "pictures small" : "pictures";
-  shown.splice(1, 0, part("pictures", "Pictures", el("div", { class: small }, ...kept.map(figure))));
+  shown.splice(1, 0, part("pictures", "Images", el("div", { class: small }, ...kept.map(figure))));
   const links = shown.map(({ id, firstElementChild }) => el("a", { href: `#${id}` }, firstElementChild!.textContent!));
   const numbers = headline(report).map(([name, number]) => el("div", {}, el("dt", {}, name), el("dd", {}, number)));
   const ended = outcome.kind === "complete" ? [] : [el("p", { class: "bad", role: "alert" }, outcome.message ?? "The run did not finish.")];

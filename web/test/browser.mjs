@@ -95,7 +95,7 @@ async function pinned() {
   await page.click("#tab-changes");
   assert.match(await page.textContent("#panel"), /texel\.method/);
   await page.selectOption("#right", "pinned");
-  assert.match(await page.textContent("#caption"), /the pinned run's picture/);
+  assert.match(await page.textContent("#caption"), /the pinned run's image/);
   await page.close();
 }
 

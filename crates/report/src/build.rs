@@ -37,7 +37,7 @@ pub struct ReportContext {
     pub legend: IndexMap<String, Legend>,
     /// Quality against the reference images.
     pub quality: Option<PictureQuality>,
-    /// Pictures in order of time, the final picture last.
+    /// Images in order of time, the final image last.
     pub image: Vec<Picture>,
     /// Warnings, one sentence each.
     pub warnings: Vec<String>,

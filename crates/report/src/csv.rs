@@ -16,7 +16,7 @@
 //! | `objects` | object; `others` | `polygons`, `fragments`, `cycles` ... `blocked`; of `others` `count` | |
 //! | `polygons` | frame`.`polygon; `others` | `object`, `fragments`, `cycles` ... `blocked`; of `others` `count` | |
 //! | `figures` | figure | `value` | place in a list, from 0 |
-//! | `quality` | | `psnr_db`, `ssim`, `flip`; of the final picture `mean_difference`, `largest_difference` | frame, from 0; empty: the final picture; `min`, `max`, `mean`: of all pictures |
+//! | `quality` | | `psnr_db`, `ssim`, `flip`; of the final image `mean_difference`, `largest_difference` | frame, from 0; empty: the final image; `min`, `max`, `mean`: of all pictures |
 //! | `image` | file | `sha256` | |
 //! | `derived` | figure | `value` | unit of measure |
 //!

@@ -249,7 +249,7 @@ pub struct Camera {
     pub to_viewer: [f64; 3],
 }
 
-/// Maximum number of pixels of one picture: enough for 3840 x 2160. The machine's picture, the reference image and the metrics between them take
+/// Maximum number of pixels of one picture: enough for 3840 x 2160. The machine's image, the reference image and the metrics between them take
 /// about 80 bytes per pixel. No number in a file may request more than a gibibyte of memory.
 pub const MAX_PICTURE_PIXELS: u64 = 1 << 23;
 

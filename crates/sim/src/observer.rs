@@ -10,9 +10,9 @@ use basrelief_reference::{QualityMetrics, RgbPicture};
 pub struct FramePictures<'a> {
     /// Frame number, from 0.
     pub index: usize,
-    /// The machine's picture.
+    /// The machine's image.
     pub machine: &'a RgbPicture,
-    /// The reference image, and the quality of the machine's picture against it.
+    /// The reference image, and the quality of the machine's image against it.
     pub exact: Option<(&'a RgbPicture, QualityMetrics)>,
 }
 

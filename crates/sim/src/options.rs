@@ -153,7 +153,7 @@ pub struct RunOptions {
     pub engine: Option<Engine>,
     /// First cycle in which no step may start.
     pub max_cycles: u64,
-    /// Whether to draw the reference image and to compare the machine's picture with it.
+    /// Whether to draw the reference image and to compare the machine's image with it.
     pub exact: bool,
     /// Auxiliary outputs to pass to the observer, from [`aux_outputs`](crate::aux_outputs). They cost nothing if this is empty.
     pub aux_outputs: Vec<AuxOutputInfo>,

@@ -97,7 +97,7 @@ impl PreparedScene {
         }
     }
 
-    /// Compares the machine's picture of a frame with the reference image.
+    /// Compares the machine's image of a frame with the reference image.
     pub(crate) fn compare(
         &self,
         style: RenderStyle,
@@ -117,7 +117,7 @@ impl PreparedScene {
     }
 }
 
-/// Compares a machine's picture with the reference image.
+/// Compares a machine's image with the reference image.
 pub(crate) fn compare(exact: &RgbPicture, machine: &RgbPicture) -> Result<(QualityMetrics, Difference), SizeMismatch> {
     Ok((QualityMetrics::measure(exact, machine)?, crate::analysis::picture_difference::difference(exact, machine)))
 }

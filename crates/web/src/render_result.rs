@@ -61,7 +61,7 @@ pub(crate) struct RenderResult {
     frame: u32,
 }
 
-/// Shows intermediate pictures, but only after a request to the server. Without a request the final picture follows at once, and
+/// Shows intermediate pictures, but only after a request to the server. Without a request the final image follows at once, and
 /// an intermediate picture would flicker.
 pub(crate) struct RoundViewer {
     path: Rc<ServerConnection>,
@@ -172,7 +172,7 @@ impl RenderResult {
             list.push(json!({ "name": name, "about": about, "at": at, "width": picture.width, "height": picture.height }));
         };
         if let Some(machine) = &self.machine {
-            add("image", "the machine's picture".into(), machine);
+            add("image", "the machine's image".into(), machine);
             if let Some(exact) = &self.exact {
                 let (difference, largest) = metrics::scaled_difference(exact, machine).map_err(|e| e.to_string())?;
                 add("reference", "the reference image".into(), exact);

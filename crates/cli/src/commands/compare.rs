@@ -141,7 +141,7 @@ impl ReportSide {
         let mut assets = page_assets(&self.report).map_err(CommandError::in_input(&self.name))?;
         if let Some(file) = self.image() {
             let png = fs::read(&file).map_err(CommandError::at_file(&file, "be read"))?;
-            assets.pictures = vec![PagePicture { caption: "The machine's picture".into(), png, largest: None }];
+            assets.pictures = vec![PagePicture { caption: "The machine's image".into(), png, largest: None }];
         }
         Ok(html::ComparedReport { name: &self.name, report: &self.report, assets })
     }

@@ -154,7 +154,7 @@ parameter_groups! {
         area: AreaConfig = AreaConfig { gate_length: 0.09, ..AreaConfig::default() } => [
             gate_length: Assumed("2005: 90 nm, as the graphics chips of that year"),
         ],
-        /// The reference image, which the machine's picture is compared with.
+        /// The reference image, which the machine's image is compared with.
         reference: ReferenceConfig = ReferenceConfig::default(),
     }
 }

@@ -10,7 +10,7 @@
 //! **Regression**: [`Verdict::worst`] is the largest of these, in percent. Improvements do not count.
 //! - growth of `cycles.total`, and of any frame;
 //! - growth of the moved bytes of any memory client;
-//! - loss of quality of the final picture and of any frame: PSNR relative to A; SSIM and FLIP, whose scale is 0..1, in hundredths.
+//! - loss of quality of the final image and of any frame: PSNR relative to A; SSIM and FLIP, whose scale is 0..1, in hundredths.
 //!
 //! **Not judged**: [`Verdict::unjudged`] lists counted figures without a percentage. No limit lets them pass.
 //! - a figure that A has and B lacks, and fewer frames in B than in A;

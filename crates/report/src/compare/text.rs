@@ -84,7 +84,7 @@ impl SectionChanges {
             "caches" => "Cache",
             "figures" => "Figure",
             "quality" => "Quality",
-            _ => "Picture",
+            _ => "Image",
         }
     }
 

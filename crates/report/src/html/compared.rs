@@ -46,7 +46,7 @@ fn pair(a: &ComparedReport<'_>, b: &ComparedReport<'_>, comparison: &Comparison,
     let explanation = [names, el_text("p", "lead", &comparison.explanation), numbers(a.report, b.report), shares(comparison)];
     let parts = [
         ("explained", "Causes", explanation.into_iter().collect()),
-        ("pictures", "Pictures", side_by_side(for_both(a, b, |side| pictures::pictures(side.report, &side.assets.pictures)))),
+        ("pictures", "Images", side_by_side(for_both(a, b, |side| pictures::pictures(side.report, &side.assets.pictures)))),
         ("units", "Cycle breakdown", bars(a.report, b.report)),
         ("diagram", "Block diagrams", for_both(a, b, |side| block_diagram(side.report, &side.assets.diagram))),
         ("changes", "All changes", changes(comparison)),

@@ -72,7 +72,7 @@ type SectionContent = (&'static str, &'static str, Html);
 fn contents(report: &Report, assets: &PageAssets) -> Vec<SectionContent> {
     let all = [
         ("bottlenecks", "Bottlenecks", bottlenecks::bottleneck_section(report)),
-        ("pictures", "Pictures", pictures::pictures(report, &assets.pictures)),
+        ("pictures", "Images", pictures::pictures(report, &assets.pictures)),
         ("diagram", "Block diagram", diagram::block_diagram(report, &assets.diagram)),
         ("units", "Cycle breakdown", units::units(report)),
         ("fifos", "FIFOs", fifos::fifos(report)),
@@ -82,7 +82,7 @@ fn contents(report: &Report, assets: &PageAssets) -> Vec<SectionContent> {
         ("sensitivity", "Sensitivity to assumed parameters", sensitivity(report)),
         ("hardware", "Hardware", hardware(report)),
         ("figures", "Figures", figures(report)),
-        ("quality", "Quality", table::html("Pictures against the reference images", &text_sections::quality(report))),
+        ("quality", "Quality", table::html("Images against the reference images", &text_sections::quality(report))),
         ("parameters", "Parameters", parameters::parameters(&assets.parameters)),
         ("warnings", "Warnings", el_list(&report.warnings)),
     ];

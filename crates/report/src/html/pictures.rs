@@ -37,7 +37,7 @@ fn figure(report: &Report, picture: &PagePicture) -> Html {
 /// Returns the colour scale from zero to the largest difference.
 fn scale(largest: u8) -> Html {
     let says = format!(
-        "scaled to the largest difference in this picture; `difference.png` of a run is amplified eight times instead. \
+        "scaled to the largest difference in this image; `difference.png` of a run is amplified eight times instead. \
          Black is 0, full red, green or blue is {largest} of 255 steps."
     );
     let ends = [el_text("span", "", "0"), el("span", &[("class", "ramp")], []), el_text("span", "", largest.to_string())];

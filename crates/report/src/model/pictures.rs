@@ -8,13 +8,13 @@ use serde::{Deserialize, Serialize};
 /// Quality of the pictures against reference images.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PictureQuality {
-    /// Quality of the final picture.
+    /// Quality of the final image.
     #[serde(flatten)]
     pub last: QualityMetrics,
-    /// Difference of the final picture.
+    /// Difference of the final image.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub difference: Option<Difference>,
-    /// Quality of each picture in order of time. Empty if only the final picture was compared.
+    /// Quality of each image in order of time. Empty if only the final image was compared.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub frames: Vec<QualityMetrics>,
     /// Worst PSNR and SSIM of all pictures.

@@ -79,7 +79,7 @@ pub struct Report {
     /// Quality of the pictures against reference images. Absent if no reference images were drawn.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub quality: Option<PictureQuality>,
-    /// Pictures in order of time; the final picture is last.
+    /// Images in order of time; the final image is last.
     pub image: Vec<Picture>,
     /// Figures derived from the other figures, each with its formula.
     pub derived: IndexMap<String, Derived>,

@@ -31,7 +31,7 @@ pub struct Measure {
     /// Area of the machine \[gate equivalents\]; 0 in a report of a version without areas.
     #[serde(default)]
     pub area_ge: u64,
-    /// PSNR of the final picture \[dB\]. Absent without reference images.
+    /// PSNR of the final image \[dB\]. Absent without reference images.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub psnr_db: Option<f64>,
 }

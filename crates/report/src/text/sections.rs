@@ -314,7 +314,7 @@ pub(crate) fn quality(report: &Report) -> Table {
         row("worst".into(), &worst, None);
         row("mean".into(), &quality.mean, None);
     }
-    row("final picture".into(), &quality.last, quality.difference);
+    row("final image".into(), &quality.last, quality.difference);
     table
 }
 
@@ -329,7 +329,7 @@ pub(crate) fn derived(report: &Report) -> Table {
     table
 }
 
-/// Picture times of a real path beside the modelled times, and its traffic.
+/// Image times of a real path beside the modelled times, and its traffic.
 fn real_path(report: &Report, path: &RealPath) -> String {
     let time = |name: &str, measured: f64, idle: f64| {
         let modelled = report.device_number(name).map_or(String::new(), |ms| format!("modelled {} s, ", decimal(ms / 1e3, 2)));
@@ -343,7 +343,7 @@ fn real_path(report: &Report, path: &RealPath) -> String {
         n => format!(" {n} tiles were dropped when their view ended."),
     };
     format!(
-        "Real path: the first picture arrived after {first}, the final picture of its frame after {last}. Sent: {requests} requests \
+        "Real path: the first image arrived after {first}, the final image of its frame after {last}. Sent: {requests} requests \
          ({request_bytes} bytes) on {connections} connections. Received: {scene_bytes} bytes of the scene, {tile_bytes} bytes of \
          {tiles} tiles, {head_bytes} bytes of headers.{abandoned}"
     )

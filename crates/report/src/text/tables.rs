@@ -83,7 +83,7 @@ impl TableGroup {
             Self::Machine => "Routes, circuits, processes and lists that only some machines have",
             Self::Hardware => "Hardware by kind",
             Self::Figures => "Counts of the machine",
-            Self::Quality => "Quality of each picture against the reference image",
+            Self::Quality => "Quality of each image against the reference image",
             Self::Derived => "Figures derived from the counts",
         }
     }

@@ -20,7 +20,7 @@ pub struct AuxOutputInfo {
 /// AuxForm of an auxiliary output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AuxForm {
-    /// One picture per frame, numbered like the machine's pictures.
+    /// One picture per frame, numbered like the machine's images.
     PicturePerFrame,
     /// One picture per frame with its own file name: `layer-depth.png`, then `layer-depth-0002.png`.
     NamedPicturePerFrame,

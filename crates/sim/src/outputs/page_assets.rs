@@ -18,7 +18,7 @@ pub fn page_assets(report: &Report) -> Result<PageAssets, String> {
     Ok(PageAssets { diagram: machine.diagram.into(), pictures: vec![], parameters })
 }
 
-/// Returns the pictures of a page: the machine's picture and, if given, the reference image and the difference.
+/// Returns the pictures of a page: the machine's image and, if given, the reference image and the difference.
 ///
 /// # Errors
 /// Pictures of different sizes, and pictures that cannot be encoded.
@@ -26,7 +26,7 @@ pub fn page_pictures(machine: &RgbPicture, exact: Option<&RgbPicture>) -> Result
     let made = |caption: &str, picture: &RgbPicture, largest| -> Result<PagePicture, String> {
         Ok(PagePicture { caption: caption.into(), png: to_png(picture)?, largest })
     };
-    let mut list = vec![made("The machine's picture", machine, None)?];
+    let mut list = vec![made("The machine's image", machine, None)?];
     if let Some(exact) = exact {
         let (difference, largest) = metrics::scaled_difference(exact, machine).map_err(|e| e.to_string())?;
         list.push(made("The reference image", exact, None)?);

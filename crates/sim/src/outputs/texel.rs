@@ -53,7 +53,7 @@ fn displacement_picture(map: &DisplacementMap, error_bound: f64) -> RgbPicture {
     heat_map(map.width, &map.displacement, &ColourScale { marks, ..ColourScale::new(title, top) })
 }
 
-/// Draws the machine's picture in dark grey, and every visible pixel with divided coordinates in yellow: ends of spans, and division
+/// Draws the machine's image in dark grey, and every visible pixel with divided coordinates in yellow: ends of spans, and division
 /// points.
 fn divisions_picture(frame: &FinishedFrame, map: &DisplacementMap) -> RgbPicture {
     const POINT: [u8; 3] = [255, 225, 40];

@@ -1,4 +1,4 @@
-//! ExactSource pictures, which the machine's pictures are compared with.
+//! Reference images, which the images of the machine are compared with.
 
 use super::trace_tap::TraceNotes;
 use crate::prepared::{self, PreparedScene};
@@ -57,7 +57,7 @@ impl ExactSource {
 }
 
 impl ExactPicture {
-    /// Waits for the reference image, and compares the machine's picture with it.
+    /// Waits for the reference image, and compares the machine's image with it.
     ///
     /// # Errors
     /// Pictures of different sizes.

@@ -10,7 +10,7 @@ use std::path::Path;
 use std::sync::Arc;
 use tool::{Mesa, agreement, double_sided, foreign_models, load, models, name_of};
 
-/// Keeps the machine's picture.
+/// Keeps the machine's image.
 #[derive(Default)]
 struct Kept(Option<RgbPicture>);
 

@@ -159,7 +159,7 @@ fn reading_a_trace_is_not_simulation_time() {
     assert_eq!(run.simulate_s, 0.0);
 }
 
-/// A frame, the machine's picture of it, and the reference image.
+/// A frame, the machine's image of it, and the reference image.
 type ShownFrame = (usize, RgbPicture, Option<(RgbPicture, QualityMetrics)>);
 
 /// Frames that an observer has received, in order.

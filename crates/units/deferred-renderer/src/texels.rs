@@ -130,7 +130,7 @@ impl PageTexels {
         texels
     }
 
-    /// Records that a pixel of the final picture of this frame, or a pixel that cannot be improved, is coloured from these texels
+    /// Records that a pixel of the final image of this frame, or a pixel that cannot be improved, is coloured from these texels
     /// of a layer.
     #[inline]
     pub fn need(&mut self, layer: u8, taps: &[AxisTap; 2], frame: u64) {
