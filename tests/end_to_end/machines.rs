@@ -123,7 +123,7 @@ fn bad_shade_values_are_named() {
     for (settings, code, part) in [
         ("--set shade.mod=normal", 2, "did you mean `shade.mode`"),
         ("--set mode=normal", 2, "did you mean `shade.mode`"),
-        ("--set shade.mode=flat", 2, "unknown variant `flat`, expected one of `normal`, `brightness`, `polyhedron`"),
+        ("--set shade.mode=flat", 2, "unknown value `flat`, expected one of `normal`, `brightness`, `polyhedron`"),
         ("--set shade.clamp=maybe", 2, "shade.clamp"),
         ("--set shade.ia=nan", 2, "`shade.ia`"),
         ("--set gate.latency=99999", 2, "`gate.latency` is 99999, expected 0..=4096"),
@@ -141,7 +141,7 @@ fn bad_shade_values_are_named() {
     assert!(outcome.error(1).contains("did you mean `shortcut.flatness.enabled`"), "{}", outcome.err);
     fs::write(place.path("c.toml"), "[replacement]\nentries = 64\n").expect("written");
     let outcome = place.run("demo ellipsoid --config c.toml");
-    assert!(outcome.error(1).contains("c.toml: `replacement` is a parameter of machine `bump`"), "{}", outcome.err);
+    assert!(outcome.error(1).contains("c.toml: line 1: `replacement` is a parameter of machine `bump`"), "{}", outcome.err);
     // The error for inconsistent parameters names the file that set them.
     fs::write(place.path("c.toml"), "[host]\nbuffers = 2\n[fifo.finished]\ndepth = 1\n").expect("written");
     let outcome = place.run("demo ellipsoid@1 --config c.toml");

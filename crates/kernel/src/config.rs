@@ -10,7 +10,7 @@ parameters! {
     /// A bounded FIFO between two units.
     pub struct FifoConfig {
         /// Slots.
-        depth: u32 = 16, unit: "tokens", Assumed("deep enough for full rate behind units of a few cycles' latency"), range: 1..=65536, effect: Timing;
+        depth: u32 = 16, unit: "tokens", Assumed("deep enough for full rate behind units of a few cycles' latency; deeper where tokens wait longer"), range: 1..=65536, effect: Timing;
         /// Cycles from delivery to visibility.
         latency: u32 = 1, unit: "cycles", Assumed("one register"), range: 1..=1024, effect: Timing;
     }
@@ -79,13 +79,13 @@ parameters! {
         /// Bytes per line; a power of two.
         line_bytes: u32 = 64, unit: "bytes", Assumed("one 4 x 4 block of 32-bit values"), range: 4..=4096;
         /// Sets.
-        sets: u32 = 64, unit: "sets", Assumed("64 sets x 4 lines x 64 bytes = 16 KiB, the largest working set Hakura and Gupta found (1997); small tables need fewer"), range: 1..=65536, effect: Timing;
+        sets: u32 = 64, unit: "sets", Assumed("64 sets x 4 lines x 64 bytes = 16 KiB, the largest working set Hakura and Gupta found (1997); caches of smaller data have fewer sets"), range: 1..=65536, effect: Timing;
         /// Lines per set.
         ways: u32 = 4, unit: "lines", Assumed("enough that two arrays read side by side do not evict each other"), range: 1..=64, effect: Timing;
         /// Cycles from look-up to data on a hit.
         hit_latency: u32 = 2, unit: "cycles", Assumed("tag, then data"), range: 0..=1024, effect: Timing;
         /// Look-ups per cycle. A step looks up each of its lines once, however many values it reads there.
-        lookups_per_cycle: u32 = 4, unit: "look-ups/cycle", Assumed("one for each of four neighbouring values"), range: 1..=64, effect: Timing;
+        lookups_per_cycle: u32 = 4, unit: "look-ups/cycle", Assumed("one for each of four neighbouring values; 1 where a step reads one line"), range: 1..=64, effect: Timing;
         /// Every look-up finds its line: no hardware, but what misses cost is the difference.
         always_hits: bool = false, unit: "", Assumed("caches miss"), effect: Timing;
     }

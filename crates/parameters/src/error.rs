@@ -7,7 +7,7 @@ pub enum ConfigError {
     #[error("not valid TOML: {0}")]
     Syntax(String),
     /// No parameter has this name.
-    #[error("unknown parameter `{key}`{} (`basrelief describe` lists all)", hint(nearest))]
+    #[error("unknown parameter `{key}`{} (`basrelief describe MACHINE` lists all)", hint(nearest))]
     Unknown {
         /// The name as given.
         key: String,
@@ -35,6 +35,17 @@ pub enum ConfigError {
     },
 }
 
+impl ConfigError {
+    /// Returns the dotted name of the parameter at fault. A text that is not valid TOML has none.
+    pub fn key(&self) -> Option<&str> {
+        match self {
+            Self::Syntax(_) => None,
+            Self::Unknown { key, .. } | Self::Type { key, .. } | Self::Unfit { key, .. } => Some(key),
+            Self::Range(error) => Some(&error.key),
+        }
+    }
+}
+
 fn hint(nearest: &Option<String>) -> String {
     nearest.as_ref().map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
 }
@@ -47,6 +58,12 @@ fn shortened(value: &str) -> String {
         Some((end, _)) => format!("{}... ({} characters)", &value[..end], value.chars().count()),
         None => value.into(),
     }
+}
+
+/// Returns the allowed values with their unit, which belongs to the numbers before a comma: `1..=64 bytes, or a list of these`.
+pub(crate) fn allowed(range: &str, unit: &str) -> String {
+    let (numbers, others) = range.split_at(range.find(", ").unwrap_or(range.len()));
+    format!("{numbers} {unit}").trim_end().to_owned() + others
 }
 
 /// A value outside its range.

@@ -1,10 +1,12 @@
 //! From TOML and `key=value` pairs to a checked configuration.
 
+use crate::error::allowed;
 use crate::fields::{from_json, to_json};
 use crate::{ConfigError, Parameter, Parameters, RangeError, UserSettings};
 use serde::de::Unexpected;
 use serde_json::Value as Json;
 use std::marker::PhantomData;
+use toml::de::DeTable;
 use toml::{Table, Value};
 
 /// Reads a configuration: defaults, then the TOML text, then single settings in order. Dependent parameters
@@ -21,6 +23,20 @@ pub fn load<C: Parameters>(toml_text: &str, settings: &[(&str, &str)]) -> Result
 pub fn is_given(toml_text: &str, settings: &[(String, String)], key: &str) -> bool {
     let in_text = || toml_text.parse().is_ok_and(|table| UserSettings(&table).contains(key));
     settings.iter().any(|(given, _)| given == key) || in_text()
+}
+
+/// Returns the line of a parameter in a TOML text, counted from 1; `None` if the text does not give it.
+pub fn line_of(toml_text: &str, key: &str) -> Option<usize> {
+    let whole = DeTable::parse(toml_text).ok()?;
+    let (mut table, mut names) = (whole.get_ref(), key.split('.').peekable());
+    loop {
+        let name = names.next()?;
+        let (found, value) = table.iter().find(|(found, _)| found.get_ref() == name)?;
+        if names.peek().is_none() {
+            return Some(toml_text.get(..found.span().start)?.matches('\n').count() + 1);
+        }
+        table = value.get_ref().as_table()?;
+    }
 }
 
 /// Loads many configurations over one TOML text. Work that does not depend on the settings is done once.
@@ -98,11 +114,16 @@ fn value_text(value: &Value) -> String {
 fn wrong_type_of(table: &[Parameter], key: String, value: String, message: &str) -> ConfigError {
     match table.iter().find(|p| p.key == key && !p.range.is_empty()) {
         Some(known) => {
-            let expected = format!("{} {}", known.range, known.unit).trim_end().into();
+            let expected = allowed(&known.range, known.unit);
             RangeError { key, value, expected }.into()
         }
-        None => ConfigError::Type { key, message: message.trim().lines().next().unwrap_or_default().into() },
+        None => ConfigError::Type { key, message: first_line(message) },
     }
+}
+
+/// Returns the first line of a message of the deserializer, without terms of the programming language.
+fn first_line(message: &str) -> String {
+    message.trim().lines().next().unwrap_or_default().replacen("unknown variant", "unknown value", 1)
 }
 
 /// Maximum length of a message that quotes a line \[bytes\]. A line can be as long as the file.
@@ -221,17 +242,24 @@ fn check_known(key: &str, known: &[String]) -> Result<(), ConfigError> {
 
 /// Returns the known name, dotted or not, that is nearest to the `given` one, if any is near.
 pub fn nearest<'a>(given: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    // At most half of the name may differ. A more distant suggestion would mislead.
-    let near = known.map(|k| (distance(given, k), k)).filter(|(edits, _)| 2 * edits <= given.len());
+    let near = known.filter_map(|k| Some((distance(given, k)?, k)));
     near.min_by_key(|(edits, _)| *edits).map(|(_, k)| k)
 }
 
-/// Levenshtein distance between the `given` name and a `known` name or its group. An equal last part has a bonus, because users
-/// forget groups more often than they mistype.
-fn distance(given: &str, known: &str) -> usize {
+/// Returns the Levenshtein distance between the `given` name and a `known` name or its group; `None` if more than half of the name or of its
+/// last part differs, because such a suggestion would mislead. An equal last part has a bonus, because users forget groups more often
+/// than they mistype.
+fn distance(given: &str, known: &str) -> Option<usize> {
     let last = |s: &str| s.rsplit('.').next().unwrap_or("").to_owned();
+    let is_near = |edits: usize, of: &str| 2 * edits <= of.len();
     let group: Vec<&str> = known.split('.').take(given.split('.').count()).collect();
-    edits(given, known).min(edits(given, &group.join("."))).min(1 + 2 * edits(&last(given), &last(known)))
+    let (last_given, group) = (last(given), group.join("."));
+    // The end of a name may be missing.
+    let has_near_last =
+        |name: &&str| last(name).starts_with(&last_given) || is_near(edits(&last_given, &last(name)), &last_given);
+    let to = |name: &str| Some(name).filter(has_near_last).map(|name| edits(given, name));
+    let to_last = Some(known).filter(has_near_last).map(|known| 1 + 2 * edits(&last_given, &last(known)));
+    [to(known), to(&group), to_last].into_iter().flatten().filter(|edits| is_near(*edits, given)).min()
 }
 
 fn edits(a: &str, b: &str) -> usize {
@@ -363,6 +391,16 @@ mod tests {
         let message = load::<All>(&long, &[]).unwrap_err().to_string();
         assert!(message.starts_with("not valid TOML: line 2, column ") && message.len() < 1100, "{message:.200}");
         says("", &[("search.lanes", "-1")], "expected 1..=4096");
-        says("", &[("zzz", "1")], "unknown parameter `zzz` (`basrelief describe` lists all)");
+        says("", &[("zzz", "1")], "unknown parameter `zzz` (`basrelief describe MACHINE` lists all)");
+        // Only the group is near.
+        says("", &[("search.foo", "1")], "unknown parameter `search.foo` (");
+    }
+
+    #[test]
+    fn parameters_have_a_line_where_the_text_gives_them() {
+        let text = "a.b = 1\n\n[search]\n# lanes\nlanes = 2\n";
+        let lines = ["a.b", "search", "search.lanes", "search.foo", "lanes", "a.b.c"].map(|key| line_of(text, key));
+        assert_eq!(lines, [Some(1), Some(3), Some(5), None, None, None]);
+        assert_eq!(line_of("[search", "search"), None);
     }
 }

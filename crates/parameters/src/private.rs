@@ -1,5 +1,6 @@
 //! Functions that the macros call, so that the code of each declaration is small.
 
+use crate::error::allowed;
 use crate::fields::{ParameterValue, from_json, to_json};
 use crate::{Effect, Parameter, Provenance, RangeError};
 use serde::de::value::MapAccessDeserializer;
@@ -102,5 +103,5 @@ fn range_error_of(prefix: &str, key: &str, json: Json, value: &dyn Debug, range:
         Json::Null => format!("{value:?}"),
         json => json.to_string(),
     };
-    RangeError { key: format!("{prefix}{key}"), value, expected: format!("{range:?} {unit}").trim_end().into() }
+    RangeError { key: format!("{prefix}{key}"), value, expected: allowed(&format!("{range:?}"), unit) }
 }

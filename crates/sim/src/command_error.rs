@@ -93,7 +93,7 @@ mod tests {
         let error = |kind, path: &str, doing| error(kind, Path::new(path), doing);
         let text = |path| error(io::ErrorKind::NotFound, path, "be written");
         assert_eq!(text("none/deep/x"), "entity not found; create the folder none/deep first");
-        assert_eq!(text("x"), "entity not found");
+        assert_eq!(text("x"), "entity not found: the folder . takes no new files; choose another folder");
         assert_eq!(error(io::ErrorKind::IsADirectory, "src", "be read"), "is a directory; expected a file");
         assert_eq!(error(io::ErrorKind::AlreadyExists, "a.png", "be written"), "entity already exists; expected a folder");
     }
@@ -101,7 +101,7 @@ mod tests {
     #[test]
     fn missing_input_names_similar_file_or_demo() {
         let folder = tempfile::tempdir().unwrap();
-        for name in ["patch.gltf", "board.glb", ".hidden.glb"] {
+        for name in ["patch.gltf", "board.glb", ".hidden.glb", "zzzz.html"] {
             std::fs::write(folder.path().join(name), "").unwrap();
         }
         let text = |path: &Path| error(io::ErrorKind::NotFound, path, "be read");
@@ -110,6 +110,11 @@ mod tests {
             let expected = meant(&folder.path().join(file).display().to_string());
             assert_eq!(text(&folder.path().join(given)), expected, "{given}");
         }
+        let in_its_place = error(io::ErrorKind::IsADirectory, folder.path(), "be read");
+        let model = folder.path().join("board.glb");
+        assert_eq!(in_its_place, format!("is a directory; expected a file, such as {}", model.display()));
+        // A page is an output.
+        assert!(!text(&folder.path().join("zzzz.gltf")).contains("did you mean"));
         for demo in ["golf-ball", "goblet@8"] {
             assert_eq!(text(Path::new(demo)), meant(&format!("demo:{demo}")));
         }

@@ -8,6 +8,12 @@ use std::path::{Path, PathBuf};
 /// Maximum number of entries of a folder that are searched for a similar name.
 const MOST_ENTRIES: usize = 10_000;
 
+/// Extensions of models.
+const MODELS: [&str; 3] = ["glb", "gltf", "obj"];
+
+/// Extensions of files that are written more often than read.
+const OUTPUTS: [&str; 4] = ["csv", "html", "png", "svg"];
+
 /// Maximum number of names in a suggestion.
 const MOST_NAMES: usize = 3;
 
@@ -28,7 +34,10 @@ pub fn reason_and_cure(path: &Path, doing: &str, error: &io::Error) -> String {
                 folder.display()
             )
         }
-        ErrorKind::IsADirectory => format!("{error}; expected a file"),
+        ErrorKind::NotFound if is_output => {
+            format!("{error}: the folder {} takes no new files; choose another folder", folder_of(path).display())
+        }
+        ErrorKind::IsADirectory => format!("{error}; expected a file{}", such_as(path).filter(|_| is_input).unwrap_or_default()),
         // Only making a folder, or a file below a file, fails in these ways.
         ErrorKind::AlreadyExists | ErrorKind::NotADirectory => {
             let file = blocking_file(path).filter(|_| is_output);
@@ -64,6 +73,12 @@ fn missing_input(path: &Path) -> String {
     }
 }
 
+/// Returns a model in this folder as an example.
+fn such_as(folder: &Path) -> Option<String> {
+    let model = names_in(folder).into_iter().find(|name| MODELS.contains(&extension(name)))?;
+    Some(format!(", such as {}", folder.join(model).display()))
+}
+
 fn check_of(path: &Path) -> &'static str {
     if path.is_absolute() { "check the name" } else { "check the name, which is looked up from the current folder" }
 }
@@ -83,7 +98,8 @@ pub fn is_demo(name: &str) -> bool {
 /// Returns the files beside a missing file that have its name with another extension, or else the file with the nearest name.
 fn similar_files(path: &Path) -> Vec<String> {
     let Some(given) = path.file_name().and_then(|name| name.to_str()) else { return Vec::new() };
-    let names = names_in(folder_of(path));
+    let mut names = names_in(folder_of(path));
+    names.retain(|name| extension(name) == extension(given) || !OUTPUTS.contains(&extension(name)));
     let stem = |name: &str| name.split('.').next().unwrap_or_default().to_owned();
     let mut similar: Vec<&String> = names.iter().filter(|name| stem(name) == stem(given)).collect();
     if similar.is_empty() {
@@ -94,6 +110,10 @@ fn similar_files(path: &Path) -> Vec<String> {
         similar = names.iter().filter(|name| near == Some(&*plain(name))).take(1).collect();
     }
     similar.into_iter().map(|name| path.with_file_name(name).display().to_string()).collect()
+}
+
+fn extension(name: &str) -> &str {
+    name.rsplit_once('.').map_or("", |(_, extension)| extension)
 }
 
 /// Returns the names in a folder in order, without hidden ones.

@@ -191,7 +191,10 @@ mod tests {
         assert_eq!(falling.entries.levels(), [256, 128, 64, 64, 64, 64, 64, 64]);
         for wrong in ["0", "65537", "[]", "[256, 0]", "[1,1,1,1,1,1,1,1,1]"] {
             let error = load(&[("entries", wrong)]).unwrap_err().to_string();
-            assert!(error.contains("`entries`") && error.contains("1..=65536, or a list of 1 to 8"), "{error}");
+            assert!(
+                error.contains("`entries`") && error.contains("1..=65536 reference normals, or a list of 1 to 8 of these"),
+                "{error}"
+            );
         }
     }
 
