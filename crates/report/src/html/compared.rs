@@ -78,7 +78,8 @@ fn shares(comparison: &Comparison) -> Html {
         row(&cause_name(share), share.by, share.share.map_or(String::new(), |share| signed(share.round())), measured_by(share))
     });
     let rows = rows.chain([row("interaction", Some(explained.together), String::new(), "")]).collect();
-    let columns = [("cause", Left), ("", Left), ("cycles alone", Right), ("share of the change", Right), ("measured by", Left)];
+    let columns =
+        [("cause", Left), ("", Left), ("cycles alone", Right), ("share of the change in cycles", Right), ("measured by", Left)];
     el("div", &[("class", "bars")], [with_cells("Changed parameters", &columns, rows)])
 }
 
