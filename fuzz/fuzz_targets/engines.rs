@@ -15,7 +15,7 @@ use libfuzzer_sys::fuzz_target;
 use std::io::Cursor;
 
 /// Longest run \[cycles\], because the ticked engine takes time for each cycle.
-const MOST_CYCLES: u64 = 300_000;
+const MOST_CYCLES: u64 = 100_000;
 
 /// Reader of choices.
 struct Choices<'a>(&'a [u8]);
