@@ -1,4 +1,4 @@
-// Renews the screenshots of the documents: the block diagram of a report, the scatter plot of a sweep, and the simulator page.
+// Renews the screenshots of the documents: the block diagram of a report, the scatter chart of a sweep, and the simulator page.
 //
 //   node web/pictures.mjs PROGRAM PAGE_FOLDER OUT
 import { execFileSync } from "node:child_process";

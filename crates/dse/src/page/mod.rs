@@ -5,7 +5,7 @@
 //! |---|---|
 //! | rows, columns and positions | `data`, `scale` |
 //! | headline | `head` |
-//! | scatter plot of two or three figures | `scatter`, moved by `sweep.js` |
+//! | scatter chart of two or three figures | `scatter`, moved by `sweep.js` |
 //! | parallel coordinates | `parallel` |
 //! | effects of the axes | `tornado`, `heat` |
 //! | Pareto-optimal points, failures | `points` |
@@ -61,7 +61,7 @@ fn policy() -> String {
 /// Parts that have something to say: name in addresses, heading, markup.
 fn contents(sweep: &SweepView<'_>) -> Vec<(&'static str, &'static str, Html)> {
     let all = [
-        ("scatter", "Scatter plot", scatter::scatter(sweep)),
+        ("scatter", "Scatter chart", scatter::scatter(sweep)),
         ("front", "Pareto-optimal points", points::front(sweep)),
         ("sensitivities", "Effect of each axis", tornado::tornado(sweep)),
         ("pairs", "Pairs of axes", heat::heat(sweep)),

@@ -19,7 +19,7 @@ const BOX: [f64; 4] = [76.0, 26.0, 768.0, 440.0];
 pub(super) fn scatter(sweep: &SweepView<'_>) -> Html {
     let Some((across, upright)) = first_pair(sweep) else { return Html::default() };
     let shapes = [axes(sweep, across, upright), lines(sweep, across, upright), points(sweep, across, upright)];
-    let says = format!("Scatter plot of {} points. Arrow keys move between points.", sweep.drawn.len());
+    let says = format!("Scatter chart of {} points. Arrow keys move between points.", sweep.drawn.len());
     let plot = svg("plot", SIZE, &says, "xMidYMid meet", shapes.into_iter().collect());
     let plot = el("div", &[("id", "plot"), ("tabindex", "0"), ("role", "group"), ("aria-label", &says)], [plot]);
     let point = el("aside", &[("id", "point"), ("aria-live", "polite"), ("hidden", "hidden")], []);

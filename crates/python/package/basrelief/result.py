@@ -138,7 +138,7 @@ class Result:
 
     @property
     def cycles(self) -> int:
-        """Render cycles; `report["cycles"]["total"]` also counts the last writes to memory. For an incomplete run, all cycles."""
+        """Render cycles; `report["cycles"]["total"]` also counts the write tail. For an incomplete run, all cycles."""
         cycles = self._timed("cycles")
         return sum(cycles["frames"]) if self.report["outcome"]["kind"] == "complete" and cycles["frames"] else int(cycles["total"])
 

@@ -50,7 +50,7 @@ fn table(report: &Report, cycles: &Cycles) -> Table {
     }
     if report.drain() > 0 {
         let ms = hz.map_or(String::new(), |hz| decimal(1e3 * report.drain() as f64 / hz, 3));
-        table.row(["last writes".into(), thousands(report.drain()), ms]);
+        table.row(["write tail".into(), thousands(report.drain()), ms]);
     }
     table
 }

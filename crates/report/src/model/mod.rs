@@ -19,6 +19,7 @@ pub use host::{Host, RealPath};
 pub use memory::{Bus, Cache, Channel, Client, Memory, MemoryBytes};
 pub use pictures::{Difference, LargestError, LeastQuality, Picture, PictureQuality};
 pub use run::{Cycles, Input, Outcome, OutcomeKind, Report, Size};
+pub(crate) use sensitivity::PERCENT_PER_DB;
 pub use sensitivity::{ComesTo, Measure, MeasureChange, ParameterChange, Sensitivity};
 pub use timing::{
     ALWAYS_HITS, Bottlenecks, CriticalPath, FULLY_PIPELINED, Fifo, IDEAL_MEMORY, PathPart, PathPolygon, PathPolygons,

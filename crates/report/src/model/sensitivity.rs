@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 /// Weight of a decibel in the order of rows \[%\]: one decibel is 12.2 % of root-mean-square error.
-const PERCENT_PER_DB: f64 = 12.2;
+pub(crate) const PERCENT_PER_DB: f64 = 12.2;
 
 /// Changes of a run when one assumed parameter changes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -360,7 +360,7 @@ pub(crate) fn host(report: &Report) -> Option<String> {
     let fragments = host_rate(host.fragments_per_s);
     let one = work::work(report).one;
     let [simulated, all] = [host.simulate_s, host.wall_s].map(|seconds| decimal(seconds, 2));
-    let simulated = format!("Simulated in {simulated} s of {all} s: {cycles}{fragments} {one}s/s.");
+    let simulated = format!("Simulated in {simulated} s ({cycles}{fragments} {one}s/s), {all} s in all.");
     Some(match &host.path {
         Some(path) => format!("{simulated}\n{}", real_path(report, path)),
         None => simulated,

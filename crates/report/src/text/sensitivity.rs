@@ -1,7 +1,7 @@
 //! Tables of the sensitivity to assumed parameters.
 
 use super::table::{Align, Table};
-use crate::model::{ComesTo, Measure, Sensitivity};
+use crate::model::{ComesTo, Measure, PERCENT_PER_DB, Sensitivity};
 use crate::number::{real, thousands};
 use Align::{Left, Right};
 use serde_json::Value;
@@ -20,8 +20,9 @@ pub(crate) fn caption(sensitivity: &Sensitivity) -> String {
     let (still, failed) = (count(&|size| size == Some(0.0)), count(&|size| size.is_none()));
     let picture = psnr_db.map_or_else(String::new, |db| format!(", {} dB", two_decimals(db)));
     format!(
-        "one assumed parameter or coefficient of the area changed at a time, against {} cycles, {} bytes, {} gate equivalents{picture}. {} changes, largest first; {still} have no \
-         effect, {failed} did not finish; report.json lists all",
+        "one assumed parameter or coefficient of the area changed at a time, against {} cycles, {} bytes, {} gate \
+         equivalents{picture}. {} changes, the largest percentage first (1 dB counts as {PERCENT_PER_DB} %); {still} have no effect, \
+         {failed} did not finish; report.json lists all",
         thousands(cycles),
         thousands(bytes),
         thousands(area_ge),
@@ -161,7 +162,10 @@ mod tests {
         has("bytes 64 32 +20 Slots");
         has("stuck 64 32 deadlock: a waits for b");
         let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(words.contains("6 changes, largest first; 1 have no effect, 1 did not finish"), "{text}");
+        assert!(
+            words.contains("6 changes, the largest percentage first (1 dB counts as 12.2 %); 1 have no effect, 1 did not finish"),
+            "{text}"
+        );
         assert!(!text.contains("still  "), "{text}");
         assert!(!to_text(&samples::balanced(), TextStyle::default(), &TableGroup::ALL).contains("assumed parameters"));
     }
