@@ -176,7 +176,8 @@ fn legend(sweep: &SweepView<'_>) -> Html {
     let has_default = sweep.drawn.iter().any(|row| sweep.is_default(*row));
     let default = has_default.then(|| item("point default", "5.5", "default: as in the plan without its axes"));
     let items = [item("point best", "5.5", "Pareto-optimal"), item("point", "3.5", "other")].into_iter();
-    let items = items.chain(default).chain(broken);
+    let selected = item("selected", "6", "selected: shown beside the chart");
+    let items = items.chain(default).chain(broken).chain([selected]);
     let scales = sweep.shown.iter().enumerate().map(|(place, shown)| {
         let swatches = (0..COLOURS).map(|k| el_text("span", &format!("swatch level-{k}"), ""));
         let [low, high] = &shown.scale.ends;

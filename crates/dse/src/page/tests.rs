@@ -97,8 +97,8 @@ fn drawn_points_are_bounded() {
     let mut table = samples::device(10_000);
     let all = shown(&table);
     assert!(all.contains("1,821 of 9,717 others, at equal distances in the plan"));
-    // The legend has three circles, the cursor is one.
-    assert_eq!(all.matches("<circle").count(), data::MOST_ROWS + 4);
+    // The legend has four circles, the cursor is one.
+    assert_eq!(all.matches("<circle").count(), data::MOST_ROWS + 5);
     // Every point on the front, by a stair of 10,000 steps.
     table.constraints.clear();
     for (at, row) in table.rows.iter_mut().enumerate() {
@@ -108,7 +108,7 @@ fn drawn_points_are_bounded() {
     }
     let stair = shown(&table);
     assert!(stair.contains("1,000 of 10,000 Pareto-optimal points"));
-    assert_eq!(stair.matches("<circle").count(), 1_000 + 3);
+    assert_eq!(stair.matches("<circle").count(), 1_000 + 4);
     for page in [all, stair] {
         assert!(page.len() < 2_000_000, "{}", page.len());
         assert!(page.matches('<').count() < 30_000, "{}", page.matches('<').count());

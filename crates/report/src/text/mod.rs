@@ -135,7 +135,7 @@ mod tests {
         report.derived = crate::derived::derive(&report);
         let text = to_text(&report.clone().with_host(1.0, 1.0), TextStyle::default(), &[]);
         assert!(text.contains("500,000 cycles per frame (480,000 to 520,000), 142,857 per fragment"), "{text}");
-        assert!(text.contains(" M cycles/s, 7 fragments/s."), "{text}");
+        assert!(text.contains(" M cycles/s, 7 fragments/s)"), "{text}");
         let html = crate::to_html(&report, &crate::html::PageAssets::default()).unwrap();
         assert!(html.contains("<dt>cycles per fragment</dt><dd>142,857</dd>"), "{html}");
         assert_eq!(bottlenecks::rate(&report, 1_000_000).unwrap(), "0.00000700 fragments per cycle");
