@@ -33,10 +33,15 @@ pub fn line_of(toml_text: &str, key: &str) -> Option<usize> {
         let name = names.next()?;
         let (found, value) = table.iter().find(|(found, _)| found.get_ref() == name)?;
         if names.peek().is_none() {
-            return Some(toml_text.get(..found.span().start)?.matches('\n').count() + 1);
+            return Some(line_after(toml_text.get(..found.span().start)?));
         }
         table = value.get_ref().as_table()?;
     }
+}
+
+/// Returns the number of the line, from 1, that follows this beginning of a text or is cut by it.
+fn line_after(before: &str) -> usize {
+    before.bytes().filter(|byte| *byte == b'\n').count() + 1
 }
 
 /// Loads many configurations over one TOML text. Work that does not depend on the settings is done once.
@@ -136,7 +141,7 @@ pub fn syntax(text: &str, error: &toml::de::Error) -> String {
         return whole.trim_end().into();
     }
     let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
-    let line = before.bytes().filter(|b| *b == b'\n').count() + 1;
+    let line = line_after(before);
     let column = before.len() - before.rfind('\n').map_or(0, |at| at + 1) + 1;
     // The message itself is short, apart from names that it quotes.
     let words: String = error.message().chars().take(LONGEST).collect();
@@ -250,16 +255,16 @@ pub fn nearest<'a>(given: &str, known: impl Iterator<Item = &'a str>) -> Option<
 /// last part differs, because such a suggestion would mislead. An equal last part has a bonus, because users forget groups more often
 /// than they mistype.
 fn distance(given: &str, known: &str) -> Option<usize> {
-    let last = |s: &str| s.rsplit('.').next().unwrap_or("").to_owned();
+    let last = |name: &str| name.rsplit('.').next().unwrap_or_default().to_owned();
     let is_near = |edits: usize, of: &str| 2 * edits <= of.len();
-    let group: Vec<&str> = known.split('.').take(given.split('.').count()).collect();
-    let (last_given, group) = (last(given), group.join("."));
-    // The end of a name may be missing.
-    let has_near_last =
-        |name: &&str| last(name).starts_with(&last_given) || is_near(edits(&last_given, &last(name)), &last_given);
-    let to = |name: &str| Some(name).filter(has_near_last).map(|name| edits(given, name));
-    let to_last = Some(known).filter(has_near_last).map(|known| 1 + 2 * edits(&last_given, &last(known)));
-    [to(known), to(&group), to_last].into_iter().flatten().filter(|edits| is_near(*edits, given)).min()
+    let group = known.split('.').take(given.split('.').count()).collect::<Vec<_>>().join(".");
+    let end = last(given);
+    // The rest of a name may be missing.
+    let has_near_end = |name: &str| last(name).starts_with(&end) || is_near(edits(&end, &last(name)), &end);
+    let by_end = 1 + 2 * edits(&end, &last(known));
+    let all = [(edits(given, known), known), (edits(given, &group), &group), (by_end, known)];
+    let near = all.into_iter().filter(|(edits, name)| is_near(*edits, given) && has_near_end(name));
+    near.map(|(edits, _)| edits).min()
 }
 
 fn edits(a: &str, b: &str) -> usize {
