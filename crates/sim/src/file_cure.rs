@@ -37,7 +37,10 @@ pub fn reason_and_cure(path: &Path, doing: &str, error: &io::Error) -> String {
         ErrorKind::NotFound if is_output => {
             format!("{error}: the folder {} takes no new files; choose another folder", folder_of(path).display())
         }
-        ErrorKind::IsADirectory => format!("{error}; expected a file{}", such_as(path).filter(|_| is_input).unwrap_or_default()),
+        ErrorKind::IsADirectory => {
+            let example = if is_input { such_as(path) } else { None };
+            format!("{error}; expected a file{}", example.unwrap_or_default())
+        }
         // Only making a folder, or a file below a file, fails in these ways.
         ErrorKind::AlreadyExists | ErrorKind::NotADirectory => {
             let file = blocking_file(path).filter(|_| is_output);
@@ -75,8 +78,13 @@ fn missing_input(path: &Path) -> String {
 
 /// Returns a model in this folder as an example.
 fn such_as(folder: &Path) -> Option<String> {
-    let model = names_in(folder).into_iter().find(|name| MODELS.contains(&extension(name)))?;
+    let model = names_in(folder).into_iter().find(|name| is_model(Path::new(name)))?;
     Some(format!(", such as {}", folder.join(model).display()))
+}
+
+/// Returns true for the name of a model, by its extension.
+pub fn is_model(path: &Path) -> bool {
+    path.extension().is_some_and(|given| MODELS.iter().any(|model| given.eq_ignore_ascii_case(model)))
 }
 
 fn check_of(path: &Path) -> &'static str {

@@ -122,12 +122,11 @@ impl Overrides {
             Err(error) => return Err(OverridesError::File(self.at_line(&error, machine.explain(&error)))),
             Ok(config) => config.check().is_ok(),
         };
-        let place = |error: String| if file_fits { OverridesError::Settings(error) } else { OverridesError::File(error) };
         let config = self.config(machine, &[]).map_err(|error| match &error {
-            ConfigError::Unfit { .. } if file_fits => OverridesError::Settings(error.to_string()),
-            ConfigError::Unfit { .. } => OverridesError::File(self.at_line(&error, error.to_string())),
+            ConfigError::Unfit { .. } if !file_fits => OverridesError::File(self.at_line(&error, error.to_string())),
             _ => OverridesError::Settings(machine.explain(&error)),
         })?;
+        let place = if file_fits { OverridesError::Settings } else { OverridesError::File };
         config.check().map_err(|problem| place(problem.to_string()))?;
         Ok(config)
     }
@@ -135,7 +134,10 @@ impl Overrides {
     /// Returns the text of an error, after the line of its parameter in the file if the file gives it.
     fn at_line(&self, error: &ConfigError, text: String) -> String {
         let line = error.key().and_then(|key| basrelief_parameters::line_of(&self.toml, key));
-        line.map_or(text.clone(), |line| format!("line {line}: {text}"))
+        match line {
+            Some(line) => format!("line {line}: {text}"),
+            None => text,
+        }
     }
 }
 

@@ -11,7 +11,7 @@ use basrelief_input::MemoryPool;
 use basrelief_report::number::{real, thousands};
 use basrelief_sim::{
     AnalysisPolicy, DepthChoice, FifoSizing, KeptRecording, MachineConfig, NoObserver, Overrides, RecordingError, RunOptions,
-    run_named, size_fifos as sized,
+    is_model, run_named, size_fifos as sized,
 };
 use basrelief_trace::TraceForm;
 use std::fmt::Write;
@@ -47,8 +47,7 @@ pub fn size_fifos(args: &SizeFifosArgs, global: &GlobalOptions) -> CommandResult
 
 /// Returns true if the name of an input is that of a model or a trace.
 fn is_drawn(path: &Path) -> bool {
-    let is_model = path.extension().is_some_and(|e| ["gltf", "glb", "obj"].iter().any(|model| e.eq_ignore_ascii_case(model)));
-    is_model || demo_of(path).is_some() || TraceForm::for_file_name(&path.to_string_lossy()).is_some()
+    is_model(path) || demo_of(path).is_some() || TraceForm::for_file_name(&path.to_string_lossy()).is_some()
 }
 
 /// An input and the recording of its run.

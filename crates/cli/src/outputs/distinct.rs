@@ -17,6 +17,9 @@ pub const OF_A_RUN: [&str; 4] = [REPORT, "report.csv", RUN_RECORDING, OLD_RUN_RE
 const OWN: [&str; 8] =
     [REPORT, "report.csv", RUN_RECORDING, OLD_RUN_RECORDING, "ablation.json", "ablation.csv", "methods.json", "methods.csv"];
 
+/// Pictures of a frame, the machine's image first.
+pub(super) const PICTURES: [&str; 3] = ["image", "reference", "difference"];
+
 /// Checks that a path does not mean standard output, which prints the summary.
 ///
 /// # Errors
@@ -74,7 +77,7 @@ fn is_its_recording(option: &str, name: &OsStr) -> bool {
 
 /// Returns true for a file that a run can write into `--out`. A texture may be there under another name.
 fn is_written(name: &OsStr) -> bool {
-    let (path, own) = (Path::new(name), ["image", "reference", "difference"].map(str::to_owned));
+    let (path, own) = (Path::new(name), PICTURES.map(str::to_owned));
     let aux = MACHINES.iter().flat_map(aux_outputs).map(|output| output.name.to_owned());
     let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     let is_kind = |kind: String| stem.strip_prefix(&kind).is_some_and(|rest| rest.is_empty() || rest.starts_with('-'));

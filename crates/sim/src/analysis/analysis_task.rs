@@ -11,9 +11,7 @@ pub(super) enum AnalysisTask {
     Resimulate(Relaxation),
     /// Climbs the ladder from the critical path.
     Climb(CriticalPath),
-    /// Finds the critical path that the first rung of the ladder is likely to need.
-    FirstRung(Settings),
-    /// Finds a critical path that the ladder may need, unless it has left the rung of this number.
+    /// Finds a critical path that the ladder may need, unless it has left the rung of this number, counted from 0.
     LikelyPath(Settings, usize),
 }
 

@@ -145,7 +145,6 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
                 let ladder = LadderSearch { relaxations: &all, resimulations, ahead }.climb(&path);
                 threads::lock(&progress).ladder = ladder;
             }
-            AnalysisTask::FirstRung(set) => _ = resimulations.path(&set),
             AnalysisTask::LikelyPath(set, rung) => {
                 if rung == climbed.load(Ordering::Relaxed) {
                     resimulations.path(&set);
@@ -159,7 +158,10 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
     /// it. Otherwise it is at least a candidate, as a rule.
     fn early_task(&self, busiest: &Relaxation, all: &[Relaxation]) -> AnalysisTask {
         match busiest.is_saturated(self.run.marked_cycles()) {
-            true => AnalysisTask::FirstRung(joined_settings(with_equals(busiest, all.iter()).into_iter().map(|unit| &unit.set))),
+            true => {
+                let units = with_equals(busiest, all.iter()).into_iter().map(|unit| &unit.set);
+                AnalysisTask::LikelyPath(joined_settings(units), 0)
+            }
             false => AnalysisTask::Resimulate(busiest.clone()),
         }
     }

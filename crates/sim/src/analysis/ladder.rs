@@ -76,9 +76,8 @@ impl LadderSearch<'_> {
         rungs
     }
 
-    /// Relaxes the resource with most of the path and its equals. If that saves little, the other choice is all FIFOs whose slots the
-    /// path waits for, and the choice with fewer cycles becomes the rung. A wait for a slot is short on the path, but it may cause long
-    /// latencies there.
+    /// Relaxes the resource with most of the path and its equals. If that saves little, it tries all FIFOs whose slots the path waits for
+    /// instead, and takes the choice with fewer cycles. A wait for a slot is short on the path, but it may cause long latencies there.
     ///
     /// No run is shorter than the busy cycles of a unit that is not relaxed. So FIFOs are not tried if they could save little more.
     fn next<'a>(&'a self, path: &CriticalPath, relaxed: &[&'a Relaxation]) -> Option<(Vec<&'a Relaxation>, CriticalPath)> {
@@ -86,7 +85,9 @@ impl LadderSearch<'_> {
         let tried = |all: Vec<&'a Relaxation>| self.resimulations.path(&settings(&all)).map(|path| (all, path));
         let largest = together(self.largest(path, relaxed));
         let busiest = busiest_unit(self.not_in(relaxed), path.cycles);
-        largest.iter().for_each(|largest| self.guess_next(path, largest));
+        if let Some(largest) = &largest {
+            self.guess_next(path, largest);
+        }
         let first = largest.and_then(tried);
         let bound = busiest.map_or(0, |unit| unit.busy + unit.busy / LITTLE);
         let enough = bound.max(path.cycles - path.cycles / LITTLE);
