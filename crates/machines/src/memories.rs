@@ -1,6 +1,7 @@
 //! Memories of a machine: defaults, values derived from the clock, provenance, and checks.
 
 use crate::problem::{ConfigProblem, problem};
+use basrelief_kernel::parts::PartNumber;
 use basrelief_kernel::{CacheConfig, MemoryConfig, MemoryPart, MemorySystem};
 use basrelief_parameters::{ConfigError, Parameter, Parameters, Provenance, UserSettings};
 
@@ -102,44 +103,68 @@ pub(crate) fn explain<C: HasMemories>(config: &C, table: &mut [Parameter]) {
     let parts = default.memories().into_iter().map(|(_, memory)| memory.part);
     for ((name, memory), by_default) in config.memories().into_iter().zip(parts) {
         let group = format!("memory.{name}.");
+        let numbers = MemoryNumbers::new(memory, config.hz(), by_default);
         let of_it = table.iter_mut().filter_map(|p| p.key.strip_prefix(&group).map(str::to_owned).map(|field| (field, p)));
         for (field, parameter) in of_it {
-            if let Some(provenance) = provenance(&field, parameter, memory, config.hz(), by_default) {
+            if let Some(provenance) = numbers.provenance(&field, parameter) {
                 parameter.provenance = provenance;
             }
         }
     }
 }
 
-/// Returns the provenance of a memory's field; `None` if it does not depend on the memory part.
-fn provenance(field: &str, parameter: &Parameter, memory: &MemoryConfig, hz: u64, by_default: MemoryPart) -> Option<Provenance> {
-    let part = memory.part;
-    if field == "part" {
-        let chosen = parameter.provenance.text();
-        return part.about().map(|about| Provenance::Assumed(format!("{chosen}. {}: {about}", part.name()).into()));
+/// A memory with the numbers of its part.
+struct MemoryNumbers<'a> {
+    memory: &'a MemoryConfig,
+    by_default: MemoryPart,
+    /// Numbers of the part alone; `None` if it does not fit the clock.
+    sheet: Option<Vec<PartNumber>>,
+    /// Numbers of the part with the memory's burst.
+    with_burst: Vec<PartNumber>,
+    /// Numbers of the default part, if the memory has none.
+    of_default: Vec<PartNumber>,
+}
+
+impl<'a> MemoryNumbers<'a> {
+    fn new(memory: &'a MemoryConfig, hz: u64, by_default: MemoryPart) -> Self {
+        let part = memory.part;
+        let sheet = part.numbers(hz, [None; 2]).ok();
+        let beside = |name: &str, value: u32| {
+            let differs = sheet.iter().flatten().any(|number| number.name == name && number.value != value);
+            differs.then_some(value)
+        };
+        let burst = [beside("burst_bytes", memory.burst_bytes), beside("burst_cycles", memory.burst_cycles)];
+        let with_burst = part.numbers(hz, burst).unwrap_or_default();
+        let of_default = if part == MemoryPart::Custom { by_default.numbers(hz, [None; 2]).unwrap_or_default() } else { vec![] };
+        Self { memory, by_default, sheet, with_burst, of_default }
     }
-    if field == "channel_bytes" && part != MemoryPart::Custom && parameter.default == memory.burst_bytes {
-        return Some(Provenance::Derived("the burst size, because a burst lies in one channel".into()));
+
+    /// Returns the provenance of a field; `None` if it does not depend on the memory part.
+    fn provenance(&self, field: &str, parameter: &Parameter) -> Option<Provenance> {
+        let part = self.memory.part;
+        if field == "part" {
+            let chosen = parameter.provenance.text();
+            return part.about().map(|about| Provenance::Assumed(format!("{chosen}. {}: {about}", part.name()).into()));
+        }
+        if field == "channel_bytes" && part != MemoryPart::Custom && parameter.default == self.memory.burst_bytes {
+            return Some(Provenance::Derived("the burst size, because a burst lies in one channel".into()));
+        }
+        let sheet = self.sheet.as_ref()?;
+        let numbers = if field.starts_with("burst") { sheet } else { &self.with_burst };
+        let Some(number) = numbers.iter().find(|number| number.name == field) else {
+            let by_default = self.of_default.iter().any(|number| number.name == field);
+            return by_default.then(|| {
+                let default = self.by_default.name();
+                let text = format!("set by the user or by default; no memory part is selected (the default part is {default})");
+                Provenance::Assumed(text.into())
+            });
+        };
+        if parameter.default == number.value {
+            return Some(number.provenance.clone());
+        }
+        let text = format!("set by the user; the memory part has {}: {}", number.value, number.provenance.text());
+        Some(Provenance::Assumed(text.into()))
     }
-    let named = |part: MemoryPart, burst| part.numbers(hz, burst).ok()?.into_iter().find(|number| number.name == field);
-    let own = part.numbers(hz, [None; 2]).ok()?;
-    let beside = |name: &str, value: u32| own.iter().any(|n| n.name == name && n.value != value).then_some(value);
-    let burst = [beside("burst_bytes", memory.burst_bytes), beside("burst_cycles", memory.burst_cycles)];
-    let number = if field.starts_with("burst") { named(part, [None; 2]) } else { named(part, burst) };
-    let Some(number) = number else {
-        let as_it_stands = part == MemoryPart::Custom && by_default != part && named(by_default, [None; 2]).is_some();
-        return as_it_stands.then(|| {
-            Provenance::Assumed(
-                format!("set by the user or by default; no memory part is selected (the default part is {})", by_default.name())
-                    .into(),
-            )
-        });
-    };
-    if parameter.default == number.value {
-        return Some(number.provenance);
-    }
-    let text = format!("set by the user; the memory part has {}: {}", number.value, number.provenance.text());
-    Some(Provenance::Assumed(text.into()))
 }
 
 /// Checks the assumptions of law 4 for each memory.

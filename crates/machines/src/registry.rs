@@ -15,6 +15,7 @@ use basrelief_kernel::{AreaModel, Hardware, Machine as _};
 use basrelief_parameters::{ConfigError, Loader, Parameter, resolved, to_json};
 use basrelief_signals::schema_of;
 use serde_json::Value;
+use std::any::Any;
 use std::fmt;
 
 /// Declares the machines: the enum [`MachineConfig`], the list [`MACHINES`], and the macro `for_machine!(config, spec => expression)`,
@@ -79,6 +80,11 @@ impl MachineConfig {
             const { &MachineInfo::of::<S>() }
         }
         for_machine!(self, machine => info(machine))
+    }
+
+    /// Returns the configuration of machine `S`; `None` for another machine.
+    pub fn spec<S: MachineSpec>(&self) -> Option<&S> {
+        for_machine!(self, machine => (machine as &dyn Any).downcast_ref())
     }
 
     /// Returns all parameters, in groups as in TOML.

@@ -2,7 +2,7 @@
 
 use crate::error::allowed;
 use crate::fields::{ParameterValue, from_json, to_json};
-use crate::{Effect, Parameter, Provenance, RangeError};
+use crate::{Effect, Parameter, Provenance, RangeError, value_of};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{self, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, ser};
@@ -41,7 +41,7 @@ pub fn add_group(
     provenances: &[(&[&str], Provenance)],
 ) {
     for mut parameter in group {
-        if let Some(default) = defaults[name].pointer(&format!("/{}", parameter.key.replace('.', "/"))) {
+        if let Some(default) = value_of(&defaults[name], &parameter.key) {
             parameter.default = default.clone();
         }
         for (_, provenance) in provenances.iter().filter(|(inner, _)| inner.join(".") == parameter.key) {

@@ -115,13 +115,17 @@ pub trait Parameters: Fields + Default {
     }
 }
 
+/// Returns the value of a parameter of a configuration as JSON, by its dotted name.
+pub fn value_of<'a>(config: &'a serde_json::Value, key: &str) -> Option<&'a serde_json::Value> {
+    key.split('.').try_fold(config, |group, name| group.get(name))
+}
+
 /// Returns all parameters of this configuration with its values in place of the defaults, and their provenance.
 pub fn resolved<C: Parameters>(config: &C) -> Vec<Parameter> {
     let mut table = C::table();
     let values = to_json(config).unwrap_or_default();
     for parameter in &mut table {
-        if let Some(value) = values.pointer(&format!("/{}", parameter.key.replace('.', "/"))).filter(|v| **v != parameter.default)
-        {
+        if let Some(value) = value_of(&values, &parameter.key).filter(|value| **value != parameter.default) {
             let Parameter { default, provenance, .. } = &*parameter;
             let set = format!("set; the default is {default} ({}: {})", provenance.kind(), provenance.text());
             parameter.provenance = Provenance::Assumed(set.into());

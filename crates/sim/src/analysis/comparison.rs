@@ -23,7 +23,7 @@ const FEW: usize = 4;
 
 /// Explains the difference in cycles of `b` against `a`. Returns `None` if the machines are different.
 pub fn explain(a: &RecordedRun, b: &RecordedRun, options: &ExplainOptions<'_>) -> Option<MeasuredCauses> {
-    if a.config.machine().name != b.config.machine().name {
+    if a.config().machine().name != b.config().machine().name {
         return None;
     }
     let same_input = a.recording.result.input.sha256 == b.recording.result.input.sha256;
@@ -56,7 +56,7 @@ pub fn explain(a: &RecordedRun, b: &RecordedRun, options: &ExplainOptions<'_>) -
 /// follow from these, for example defaults of another build, come last.
 fn changed(a: &RecordedRun, b: &RecordedRun) -> Vec<Cause> {
     let given = |key: &str| [a, b].iter().any(|run| run.recording.overrides.contains(key));
-    let of_b = b.config.parameters();
+    let of_b = b.config().parameters();
     let differing = |here: &MachineConfig| {
         let all: Vec<Parameter> = here
             .parameters()
@@ -67,9 +67,9 @@ fn changed(a: &RecordedRun, b: &RecordedRun) -> Vec<Cause> {
             .collect();
         all
     };
-    let given: Vec<Parameter> = differing(&a.config).into_iter().filter(|b| given(&b.key)).collect();
+    let given: Vec<Parameter> = differing(a.config()).into_iter().filter(|b| given(&b.key)).collect();
     let settings: Vec<(String, String)> = given.iter().map(|b| (b.key.clone(), b.as_option())).collect();
-    let rest = a.recording.config(&settings).map(|all| differing(&all)).unwrap_or_default();
+    let rest = a.recording.config_with(&settings).map(|all| differing(&all)).unwrap_or_default();
     let causes = given.into_iter().chain(rest).filter(|b| b.effect != Effect::Cost);
     causes
         .map(|b| Cause { name: b.key.clone(), set: vec![(b.key.clone(), b.as_option())], is_work: b.effect == Effect::Work })

@@ -80,13 +80,13 @@ pub fn size_fifos(
     let loaded =
         recordings.into_iter().map(|recording| LoadedRecording::read(recording, budget)).collect::<Result<Vec<_>, _>>()?;
     let Some(first) = loaded.first() else { return Err(RecordingError::Format("there is no recording".into())) };
-    let config = first.config(&[])?;
+    let config = &first.config;
     for (number, other) in loaded.iter().enumerate() {
-        if let Some(difference) = difference(&config, &other.config(&[])?) {
+        if let Some(difference) = difference(config, &other.config) {
             return Err(RecordingError::Different { number, difference });
         }
     }
-    let mut sizing = for_machine!(&config, spec => SizingSearch::new(spec, &loaded)?.all_choices(within_percent))?;
+    let mut sizing = for_machine!(config, spec => SizingSearch::new(spec, &loaded)?.all_choices(within_percent))?;
     let mut builds: Vec<_> = loaded.iter().filter_map(|recording| build_warning(&recording.build)).collect();
     builds.dedup();
     sizing.warnings.splice(0..0, builds);

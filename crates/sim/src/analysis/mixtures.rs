@@ -106,7 +106,7 @@ impl<'a> MixtureSource<'a> {
     }
 
     fn config(&self, overrides: &Overrides) -> Option<MachineConfig> {
-        overrides.config(self.a.config.machine(), &[]).ok()
+        overrides.config(self.a.config().machine(), &[]).ok()
     }
 
     /// Returns a recording with these work causes as in B: that of A or B, or that of a new run.
@@ -154,7 +154,7 @@ impl<'a> MixtureSource<'a> {
 
     fn derived(&self, config: &MachineConfig) -> Vec<String> {
         let named: BTreeSet<&String> = self.causes.iter().flat_map(|cause| &cause.set).map(|(key, _)| key).collect();
-        let (of_a, mixed) = (self.a.config.parameters(), config.parameters());
+        let (of_a, mixed) = (self.a.config().parameters(), config.parameters());
         let differing = of_a.iter().zip(mixed).filter(|(a, mixed)| a.default != mixed.default);
         differing.map(|(_, mixed)| mixed.key).filter(|key| !named.contains(key)).collect()
     }

@@ -10,7 +10,6 @@ use std::io::Read;
 /// A run with its recording.
 pub struct RecordedRun {
     pub(super) recording: LoadedRecording,
-    pub(super) config: MachineConfig,
     pub(super) cycles: u64,
 }
 
@@ -21,15 +20,15 @@ impl RecordedRun {
     /// An invalid recording, the recording of another run, or a recording of another build whose timing this build does not reproduce.
     pub fn read(report: &Report, reader: &mut dyn Read, budget: &MemoryPool) -> Result<Self, RecordingError> {
         let recording = LoadedRecording::read(reader, budget)?;
-        let config = recording.config(&[])?;
+        let config = &recording.config;
         let cycles = report.frame_cycles();
         let is_of_run = (&recording.result.input, &recording.result.image) == (&report.input, &report.image);
         let is_of_report = config.machine().name == report.machine
             && is_of_run
             && config.to_value() == report.config
-            && resimulated_cycles(&recording, &config) == Some(cycles);
+            && resimulated_cycles(&recording, config) == Some(cycles);
         match is_of_report {
-            true => Ok(Self { recording, config, cycles }),
+            true => Ok(Self { recording, cycles }),
             false if is_of_run => Err(of_build(&recording.build, RecordingError::OtherRun)),
             false => Err(RecordingError::OtherRun),
         }
@@ -37,7 +36,7 @@ impl RecordedRun {
 
     /// Returns the configuration of the run.
     pub fn config(&self) -> &MachineConfig {
-        &self.config
+        &self.recording.config
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::png::to_png;
 use basrelief_machines::MachineInfo;
-use basrelief_parameters::{Parameter, as_option};
+use basrelief_parameters::{Parameter, as_option, value_of};
 use basrelief_reference::{RgbPicture, metrics};
 use basrelief_report::Report;
 use basrelief_report::html::{PageAssets, PagePicture, ParameterRow};
@@ -36,7 +36,7 @@ pub fn page_pictures(machine: &RgbPicture, exact: Option<&RgbPicture>) -> Result
 }
 
 fn row(parameter: &Parameter, config: &Value) -> ParameterRow {
-    let value = config.pointer(&format!("/{}", parameter.key.replace('.', "/"))).unwrap_or(&parameter.default);
+    let value = value_of(config, &parameter.key).unwrap_or(&parameter.default);
     ParameterRow {
         key: parameter.key.clone(),
         value: as_option(value),

@@ -8,15 +8,17 @@ use crate::run::untimed::UntimedResult;
 use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_kernel::Recording;
 use basrelief_kernel::stats::FigureValue;
-use basrelief_machines::{InputKind, MachineConfig, MachineInfo, for_machine};
+use basrelief_machines::{InputKind, MachineConfig, MachineInfo, MachineSpec, for_machine};
 use std::io::Read;
 
 /// A whole recording in memory.
 pub(crate) struct LoadedRecording {
     /// Build of the simulator that executed the steps.
     pub(crate) build: String,
-    pub(super) machine: &'static MachineInfo,
+    machine: &'static MachineInfo,
     pub(crate) overrides: Overrides,
+    /// Configuration of the recorded run.
+    pub(crate) config: MachineConfig,
     pub(crate) input: InputKind,
     pub(crate) recording: Recording<'static>,
     pub(crate) result: UntimedResult,
@@ -44,13 +46,22 @@ impl LoadedRecording {
         let netlist = netlist.map_err(|problem| of_build(&build, RecordingError::Format(problem.to_string())))?;
         let recording = Recording::new(all, &netlist, budget.left());
         let (result, figures, work) = (end.result, end.figures, end.work);
-        Ok(Self { build, machine, overrides, input, recording, result, figures, work, _held: chunks.waiting })
+        Ok(Self { build, machine, overrides, config, input, recording, result, figures, work, _held: chunks.waiting })
     }
 
     /// Returns the configuration of the recorded run with `more` settings.
-    pub(crate) fn config(&self, more: &[(String, String)]) -> Result<MachineConfig, RecordingError> {
+    pub(crate) fn config_with(&self, more: &[(String, String)]) -> Result<MachineConfig, RecordingError> {
         self.overrides.config(self.machine, more).map_err(config_error)
     }
+}
+
+/// Returns the configuration of a recorded run.
+///
+/// # Errors
+/// A run of another machine.
+pub(super) fn recorded_spec<S: MachineSpec>(recorded: &MachineConfig) -> Result<&S, RecordingError> {
+    let other = || RecordingError::OtherWork(format!("it was recorded on machine `{}`", recorded.machine().name));
+    recorded.spec().ok_or_else(other)
 }
 
 /// Converts an error in a recording that this build of the simulator made.

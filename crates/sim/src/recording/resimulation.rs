@@ -3,7 +3,7 @@
 use super::error::RecordingError;
 use super::format::header;
 use super::kept::KeptSteps;
-use super::loaded::{LoadedRecording, config_error, of_build};
+use super::loaded::{LoadedRecording, config_error, of_build, recorded_spec};
 use super::reader::{BlockReader, ChunkReader, checked_end};
 use crate::analysis::bottleneck::CompletedRun;
 use crate::build::build_warning;
@@ -101,9 +101,7 @@ struct Resimulation<'a> {
 impl Resimulation<'_> {
     fn report<S: MachineSpec>(self, spec: &S) -> Result<ResimulationResult, RecordingError> {
         let Self { build, recorded, overrides, input, blocks, options, observer } = self;
-        let recorded: S =
-            basrelief_parameters::from_json(recorded.to_value()).map_err(|error| RecordingError::Format(error.to_string()))?;
-        let netlist = netlist_of_same_work(&recorded, spec, input)?;
+        let netlist = netlist_of_same_work(recorded_spec(&recorded)?, spec, input)?;
         let mut chunks = ChunkReader::new(blocks, Some(observer), KeptSteps::new(options.bottlenecks, &options.budget));
         chunks.pass_on_to_observer(&header::<S>(&build, input, &overrides))?;
         let began = (options.clock)();
@@ -177,7 +175,6 @@ pub(crate) fn resimulated_cycles(recording: &LoadedRecording, config: &MachineCo
 }
 
 fn cycles_with<S: MachineSpec>(recording: &LoadedRecording, spec: &S) -> Option<u64> {
-    let recorded: S = recording.overrides.load(&[]).ok()?;
-    let netlist = netlist_of_same_work(&recorded, spec, recording.input).ok()?;
+    let netlist = netlist_of_same_work(recording.config.spec()?, spec, recording.input).ok()?;
     recording.recording.cycles(netlist).ok()?
 }

@@ -2,6 +2,7 @@
 
 use basrelief_machines::shade::ShadeConfig;
 use basrelief_machines::{MACHINES, MachineConfig, MachineInfo};
+use basrelief_parameters::value_of;
 use basrelief_scene::DEMOS;
 
 #[test]
@@ -35,7 +36,7 @@ fn machine_is_found_by_name_and_loads_its_defaults() {
         let config = MachineInfo::named(machine.name).unwrap().load("", &[]).unwrap();
         assert_eq!(config.machine().name, machine.name);
         let first = &machine.parameters()[0];
-        assert_eq!(config.to_value().pointer(&format!("/{}", first.key.replace('.', "/"))), Some(&first.default));
+        assert_eq!(value_of(&config.to_value(), &first.key), Some(&first.default));
     }
     assert_eq!(MachineConfig::default().machine().name, MACHINES[0].name);
     assert!(MachineInfo::named("lathe").unwrap_err().contains("expected bump, shade, texel, defer"));
