@@ -2,7 +2,7 @@
 
 use super::scale::{ColumnScale, WHOLE};
 use crate::table::{ColumnRole, PointState, Table};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Maximum number of drawn rows.
 pub(super) const MOST_ROWS: usize = 2_000;
@@ -43,12 +43,16 @@ pub(super) struct SweepView<'a> {
     /// Columns that can be drawn: objectives, axes, constrained figures, requested columns, then others.
     pub(super) shown: Vec<DrawnColumn>,
     on_front: BTreeSet<usize>,
+    /// Ties of points on the front, each with its point.
+    ties: BTreeMap<usize, usize>,
     defaults: BTreeSet<usize>,
 }
 
 impl<'a> SweepView<'a> {
     pub(super) fn new(table: &'a Table, options: &'a PageOptions) -> Self {
-        let front = crate::front(table);
+        let points = crate::front::front_points(table);
+        let front: Vec<usize> = points.iter().map(|point| point.row).collect();
+        let ties = points.iter().flat_map(|point| point.ties.iter().map(|tie| (*tie, point.row))).collect();
         let on_front: BTreeSet<usize> = front.iter().copied().collect();
         let best = thinned(&front, MOST_FRONT);
         let is_default = |row: &usize| options.defaults.contains(&table.rows[*row].id);
@@ -58,12 +62,22 @@ impl<'a> SweepView<'a> {
         let (kept, others): (Vec<usize>, Vec<usize>) = (0..table.rows.len()).filter(run).partition(|row| defaults.contains(row));
         let others = thinned(&others, MOST_ROWS - best.len() - kept.len());
         let drawn = others.into_iter().chain(kept).chain(best).collect();
-        Self { table, drawn, shown: drawn_columns(table, options), on_front, defaults, front }
+        Self { table, drawn, shown: drawn_columns(table, options), on_front, ties, defaults, front }
     }
 
     /// Returns true if a row is on the front.
     pub(super) fn is_best(&self, row: usize) -> bool {
         self.on_front.contains(&row)
+    }
+
+    /// Returns true if a row equals a point on the front in every objective and has no smaller area.
+    pub(super) fn is_tie(&self, row: usize) -> bool {
+        self.ties.contains_key(&row)
+    }
+
+    /// Number of ties of a point on the front, or of all points.
+    pub(super) fn ties(&self, point: Option<usize>) -> usize {
+        self.ties.values().filter(|of| point.is_none_or(|point| **of == point)).count()
     }
 
     /// Returns true if the parameters of a row are as in the plan without its axes.

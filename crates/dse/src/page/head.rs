@@ -61,11 +61,16 @@ fn summary(sweep: &SweepView<'_>) -> String {
     }
     let objectives: Vec<String> = table.objectives().map(|(at, goal)| format!("{} {goal}", table.columns[at].name)).collect();
     let front = sweep.front.len();
-    says + &match (objectives.len(), front) {
+    says += &match (objectives.len(), front) {
         (0, _) => "No objective is named, so no point is better than another.".into(),
         (_, 0) => format!("No completed point meets the constraints for {}.", objectives.join(", ")),
         (_, 1) => format!("One point is Pareto-optimal for {}.", objectives.join(", ")),
         _ => format!("{} are Pareto-optimal for {}.", thousands(front as u64), objectives.join(", ")),
+    };
+    match sweep.ties(None) {
+        0 => says,
+        1 => says + " One more point is equal in every objective.",
+        ties => says + &format!(" {} more points are equal to one of these in every objective.", thousands(ties as u64)),
     }
 }
 

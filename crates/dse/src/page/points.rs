@@ -24,13 +24,13 @@ pub(super) fn front(sweep: &SweepView<'_>) -> Html {
     rows.truncate(MOST);
     let pictures = rows.iter().any(|&row| sweep.table.rows[row].picture.is_some());
     let headers: Vec<String> = told.iter().map(|&at| sweep.header(at)).collect();
-    let own = [("point", Align::Left), ("picture", Align::Left)];
-    let own = &own[..if pictures { 2 } else { 1 }];
-    let columns: Vec<(&str, Align)> =
-        own.iter().copied().chain(headers.iter().map(|name| (name.as_str(), Align::Right))).collect();
+    let ties = sweep.ties(None) > 0;
+    let own = [(true, ("point", Align::Left)), (ties, ("ties", Align::Right)), (pictures, ("image", Align::Left))];
+    let own = own.into_iter().filter(|(is_shown, _)| *is_shown).map(|(_, column)| column);
+    let columns: Vec<(&str, Align)> = own.chain(headers.iter().map(|name| (name.as_str(), Align::Right))).collect();
     let table = |rows: &[usize], before: usize, caption: &str| {
         let numbered = rows.iter().enumerate().map(|(at, &row)| (before + at + 1, row));
-        with_cells(caption, &columns, numbered.map(|(number, row)| cells(sweep, number, row, &told, pictures)).collect())
+        with_cells(caption, &columns, numbered.map(|(number, row)| cells(sweep, number, row, &told, [ties, pictures])).collect())
     };
     let (first, others) = rows.split_at(rows.len().min(OPEN));
     let (all, shown) = (sweep.front.len(), rows.len());
@@ -45,11 +45,13 @@ pub(super) fn front(sweep: &SweepView<'_>) -> Html {
         format!("{} more", others.len())
     };
     let tables = [table(first, 0, &caption), details(&left, table(others, first.len(), "Other Pareto-optimal points"))];
-    if rows.is_empty() { Html::default() } else { el("div", &[("id", "chosen")], tables) }
+    let about = "Ties equal their point in every objective and have no smaller area.";
+    let about = if ties { el_text("p", "quiet", about) } else { Html::default() };
+    if rows.is_empty() { Html::default() } else { el("div", &[("id", "chosen")], [about].into_iter().chain(tables)) }
 }
 
 /// Cells of a point with its number in the table. Its hash is a tooltip.
-fn cells(sweep: &SweepView<'_>, number: usize, row: usize, told: &[usize], pictures: bool) -> Vec<Html> {
+fn cells(sweep: &SweepView<'_>, number: usize, row: usize, told: &[usize], [ties, pictures]: [bool; 2]) -> Vec<Html> {
     let of = &sweep.table.rows[row];
     // The script shows the point that is named.
     let button = el("button", &[("type", "button"), ("title", &of.id), ("data-id", &of.id)], [text(number.to_string())]);
@@ -61,7 +63,8 @@ fn cells(sweep: &SweepView<'_>, number: usize, row: usize, told: &[usize], pictu
     let values = told
         .iter()
         .map(|&at| text(of.cells.get(at).map_or(String::new(), |cell| labels::cell(cell, &sweep.table.columns[at].unit))));
-    [name].into_iter().chain(pictures.then_some(picture)).chain(values).collect()
+    let ties = ties.then(|| text(thousands(sweep.ties(Some(row)) as u64)));
+    [name].into_iter().chain(ties).chain(pictures.then_some(picture)).chain(values).collect()
 }
 
 /// Returns the reasons of failed points, the most frequent one first.

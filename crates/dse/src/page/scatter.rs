@@ -237,5 +237,6 @@ fn point(sweep: &SweepView<'_>, told: &[usize], row: usize) -> Value {
         .map(|&at| cells.get(at).map_or(String::new(), |cell| labels::cell(cell, &sweep.table.columns[at].unit)))
         .collect();
     let of = &sweep.table.rows[row];
-    json!({ "id": of.id, "picture": of.picture, "best": sweep.is_best(row), "default": sweep.is_default(row), "values": values })
+    let [best, tie, default] = [sweep.is_best(row), sweep.is_tie(row), sweep.is_default(row)];
+    json!({ "id": of.id, "picture": of.picture, "best": best, "tie": tie, "default": default, "values": values })
 }

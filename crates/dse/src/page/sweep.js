@@ -54,20 +54,21 @@
 
   // Gone where there is no such file.
   function pictured(picture) {
-    const image = Object.assign(new Image(), { src: picture, alt: "picture of this point" });
+    const image = Object.assign(new Image(), { src: picture, alt: "image of this point" });
     image.addEventListener("error", () => image.remove());
     return image;
   }
 
   function show(row) {
     current = row;
-    const { id, picture, best, default: isDefault, values } = rows[row];
+    const { id, picture, best, tie, default: isDefault, values } = rows[row];
+    const rank = best ? "Pareto-optimal" : tie ? "Equal to a Pareto-optimal point" : "Not Pareto-optimal";
     const point = get("point");
     const here = place(row)?.join();
     const same = rows.filter((_, other) => place(other)?.join() === here).length;
     const hash = make("details", "");
     hash.append(make("summary", "Hash"), make("code", id));
-    point.replaceChildren(make("h3", `${best ? "Pareto-optimal" : "Not Pareto-optimal"}${isDefault ? ", default" : ""}`), hash);
+    point.replaceChildren(make("h3", `${rank}${isDefault ? ", default" : ""}`), hash);
     if (here && same > 1) point.append(make("p", `One of ${same} points at this place.`));
     if (picture) point.append(pictured(picture));
     const list = make("dl", "");

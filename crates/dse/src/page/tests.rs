@@ -121,6 +121,20 @@ fn tags<'a>(page: &'a str, start: &'a str) -> impl Iterator<Item = &'a str> {
 }
 
 #[test]
+fn ties_of_front_are_counted_and_named() {
+    let mut table = samples::device(30);
+    assert!(!shown(&table).contains(">ties<"));
+    let best = crate::front(&table)[0];
+    let twin = Row { id: "twin".into(), ..table.rows[best].clone() };
+    table.rows.push(twin);
+    let page = shown(&table);
+    assert!(page.contains(" One more point is equal in every objective.") && page.contains(">ties</th>"));
+    let rows = data_of(&page)["rows"].clone();
+    let ranks: Vec<_> = rows.as_array().unwrap().iter().filter(|row| row["tie"] == true).map(|row| &row["id"]).collect();
+    assert_eq!(ranks, ["twin"]);
+}
+
+#[test]
 fn third_objective_is_the_first_colour() {
     let page = shown(&samples::device(30));
     let colour = page.split_once("<select id=\"colour\">").unwrap().1.split_once("</select>").unwrap().0;
