@@ -245,16 +245,28 @@ fn wrong_plan_is_named_with_cure() {
         assert!(outcome.error(code).contains(expected), "{}", outcome.err);
         assert!(!place.path("out").exists());
     };
-    says("size =", "sise =", 1, "wrong.toml: view: no option is called `sise`; did you mean `size`?");
-    says("\"96x72\"", "\"96\"", 1, "wrong.toml: view: invalid value '96' for '--size <WIDTHxHEIGHT>': expected WIDTHxHEIGHT");
-    says("demo:ellipsoid@2", "none.gltf", 1, "wrong.toml: input: none.gltf: cannot be read");
+    says("size =", "sise =", 1, "wrong.toml: line 7: view: no option is called `sise`; did you mean `size`?");
+    says(
+        "\"96x72\"",
+        "\"96\"",
+        1,
+        "wrong.toml: line 7: view: invalid value '96' for '--size <WIDTHxHEIGHT>': expected WIDTHxHEIGHT",
+    );
+    says("demo:ellipsoid@2", "none.gltf", 1, "wrong.toml: line 3: input: none.gltf: cannot be read");
     says(
         "demo:ellipsoid@2",
         "-",
         1,
-        "wrong.toml: input: -: can be read only once, but every run of a sweep reads it; expected a file",
+        "wrong.toml: line 3: input: -: can be read only once, but every run of a sweep reads it; expected a file",
     );
-    says("cycles min", "cycels min", 1, "wrong.toml: objectives: the report has no figure `cycels`");
+    says("cycles min", "cycels min", 1, "wrong.toml: line 5: objectives: the report has no figure `cycels`");
+    says("shade.mode", "shade.mood", 1, "wrong.toml: line 11: axes: unknown parameter `shade.mood`; did you mean `shade.mode`?");
+    says(
+        "\"normal\"",
+        "\"norml\"",
+        1,
+        "wrong.toml: line 11: axes: `shade.mode`: unknown value `norml`, expected one of `normal`",
+    );
     let unknown = place.run("sweep plan.toml --point 12");
     assert!(unknown.error(2).contains("the plan has no point 12; --list prints the missing points"), "{}", unknown.err);
     assert!(place.run("sweep none.toml").error(1).starts_with("none.toml: cannot be read: "));

@@ -36,7 +36,7 @@ mod user_settings;
 
 pub use error::{ConfigError, RangeError};
 pub use fields::{Field, FieldMut, Fields, ParameterValue, from_json, to_json};
-pub use load::{Loader, is_given, line_of, load, nearest, syntax};
+pub use load::{Loader, at_line, is_given, line_of, load, nearest, syntax};
 pub use table::{Effect, Parameter, Parameters, Provenance, as_option, resolved, value_of};
 pub use user_settings::UserSettings;
 

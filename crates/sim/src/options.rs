@@ -133,11 +133,7 @@ impl Overrides {
 
     /// Returns the text of an error, after the line of its parameter in the file if the file gives it.
     fn at_line(&self, error: &ConfigError, text: String) -> String {
-        let line = error.key().and_then(|key| basrelief_parameters::line_of(&self.toml, key));
-        match line {
-            Some(line) => format!("line {line}: {text}"),
-            None => text,
-        }
+        basrelief_parameters::at_line(&self.toml, error.key(), text)
     }
 }
 

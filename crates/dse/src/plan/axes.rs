@@ -1,5 +1,6 @@
 //! Axes of a plan: parameters, and the values that they take.
 
+use super::fault::PlanFault;
 use crate::Cell;
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -65,25 +66,29 @@ impl<'a> KeyPositions<'a> {
 }
 
 /// The axes of `[axes]`, in the order in which they are written, then those of each `[[zip]]`.
-pub(super) fn axes(axes: &Table, zips: &[Table], places: &KeyPositions<'_>) -> Result<Vec<Axis>, String> {
+pub(super) fn axes(axes: &Table, zips: &[Table], places: &KeyPositions<'_>) -> Result<Vec<Axis>, PlanFault> {
     let mut parsed = Vec::new();
     parameters(axes, &["axes".to_owned()], places, &mut parsed)?;
     parsed.sort_by_key(|(place, ..)| *place);
     let single = parsed.into_iter().map(|(_, key, values)| axis(vec![(key, values)]));
-    let zipped = zips.iter().map(|zip| {
+    let zip_axis = |zip: &Table| {
         let mut parsed = Vec::new();
         parameters(zip, &["zip".to_owned()], places, &mut parsed)?;
         axis(parsed.into_iter().map(|(_, key, values)| (key, values)).collect())
-    });
+    };
+    let zipped = (0..).zip(zips).map(|(number, zip)| zip_axis(zip).map_err(|fault: PlanFault| fault.in_block(number)));
     single.chain(zipped).collect()
 }
 
-fn axis(parameters: Vec<(String, Vec<Value>)>) -> Result<Axis, String> {
-    let Some((first, values)) = parameters.first() else { return Err("zip: names no parameter; expected two or more".into()) };
+fn axis(parameters: Vec<(String, Vec<Value>)>) -> Result<Axis, PlanFault> {
+    let Some((first, values)) = parameters.first() else {
+        return Err(PlanFault::new("zip", "zip: names no parameter; expected two or more"));
+    };
     let count = values.len();
     if let Some((other, values)) = parameters.iter().find(|(_, values)| values.len() != count) {
         let others = values.len();
-        return Err(format!("zip: `{first}` has {count} values and `{other}` has {others}; expected as many of each"));
+        let message = format!("zip: `{first}` has {count} values and `{other}` has {others}; expected as many of each");
+        return Err(PlanFault::new(format!("zip.{other}"), message));
     }
     let keys = parameters.iter().map(|(key, _)| key.clone()).collect();
     let row = |n: usize| parameters.iter().map(move |(_, values)| &values[n]);
@@ -93,7 +98,7 @@ fn axis(parameters: Vec<(String, Vec<Value>)>) -> Result<Axis, String> {
 }
 
 /// Parameters of a table and the groups in it, each with its values.
-fn parameters(table: &Table, path: &[String], places: &KeyPositions<'_>, found: &mut ParsedValues) -> Result<(), String> {
+fn parameters(table: &Table, path: &[String], places: &KeyPositions<'_>, found: &mut ParsedValues) -> Result<(), PlanFault> {
     for (name, value) in table {
         let path = [path, std::slice::from_ref(name)].concat();
         let (place, key) = (path.join("."), path[1..].join("."));
@@ -104,13 +109,13 @@ fn parameters(table: &Table, path: &[String], places: &KeyPositions<'_>, found: 
                 parameters(group, &path, places, found)?;
                 continue;
             }
-            other => return Err(format!("{place}: is {other}, expected a list of values, or {RANGE}")),
+            other => return Err(format!("{place}: is {other}, expected a list of values, or {RANGE}").into()),
         };
         if values.is_empty() {
-            return Err(format!("{place}: has no values; expected one at least"));
+            return Err(format!("{place}: has no values; expected one at least").into());
         }
         if values.len() > MOST_VALUES {
-            return Err(too_many(&place, &values.len().to_string()));
+            return Err(too_many(&place, &values.len().to_string()).into());
         }
         found.push((places.of_path(&path), key, values));
     }
@@ -177,7 +182,7 @@ pub(super) struct Exclusion(Vec<(usize, usize, Vec<String>)>);
 
 impl Exclusion {
     /// Parses a block of the plan.
-    pub(super) fn of(table: &Table, axes: &[Axis]) -> Result<Self, String> {
+    pub(super) fn of(table: &Table, axes: &[Axis]) -> Result<Self, PlanFault> {
         let mut wanted = Vec::new();
         values_in(table, "", &mut wanted);
         let part = |(key, value): (String, &Value)| {
@@ -186,7 +191,7 @@ impl Exclusion {
                 let keys = axes.iter().flat_map(|axis| &axis.keys).map(String::as_str);
                 let near = basrelief_parameters::nearest(&key, keys);
                 let hint = near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
-                format!("exclude: `{key}` is on no axis{hint}")
+                PlanFault::new(format!("exclude.{key}"), format!("exclude: `{key}` is on no axis{hint}"))
             })?;
             let values: Vec<String> = match value {
                 // A list is several values, unless the axis has lists for values.
@@ -196,12 +201,15 @@ impl Exclusion {
                 value => vec![value.to_string()],
             };
             match values.iter().find(|value| !is_value(&axes[axis], at, value)) {
-                Some(none) => Err(format!("exclude: `{key}` never is {none}: nothing would be left out")),
+                Some(none) => {
+                    let message = format!("exclude: `{key}` never is {none}: nothing would be left out");
+                    Err(PlanFault::new(format!("exclude.{key}"), message))
+                }
                 None => Ok((axis, at, values)),
             }
         };
         if wanted.is_empty() {
-            return Err("exclude: names no parameter: everything would be left out".into());
+            return Err(PlanFault::new("exclude", "exclude: names no parameter: everything would be left out"));
         }
         Ok(Self(wanted.into_iter().map(part).collect::<Result<_, _>>()?))
     }
@@ -237,7 +245,7 @@ mod tests {
         let group = |name: &str| table.get(name).and_then(Value::as_table).cloned().unwrap_or_default();
         let zips = table.get("zip").and_then(Value::as_array).cloned().unwrap_or_default();
         let zips: Vec<Table> = zips.into_iter().map(|zip| zip.as_table().cloned().unwrap()).collect();
-        axes(&group("axes"), &zips, &KeyPositions::of(text))
+        axes(&group("axes"), &zips, &KeyPositions::of(text)).map_err(|fault| fault.at_line(text))
     }
 
     fn values(text: &str) -> Vec<String> {
@@ -298,7 +306,7 @@ mod tests {
     #[test]
     fn exclusion_matches_all_named_values() {
         let axes = of("[axes]\na = [1, 2]\nb = [[1, 2], [3]]\n").unwrap();
-        let exclusion = |text: &str| Exclusion::of(&text.parse().unwrap(), &axes);
+        let exclusion = |text: &str| Exclusion::of(&text.parse().unwrap(), &axes).map_err(|fault| fault.at_line(""));
         let left_out = |text: &str| {
             let exclusion = exclusion(text).unwrap();
             [[0, 0], [0, 1], [1, 0], [1, 1]].map(|places| exclusion.leaves_out(&places, &axes))

@@ -3,6 +3,7 @@
 mod axes;
 mod base;
 mod definition;
+mod fault;
 mod identity;
 mod points;
 mod schema;
@@ -16,9 +17,10 @@ use crate::figures::{ReportFigure, first_frame, no_figure, path_of};
 use crate::one;
 use crate::{OpenedInput, SweepError, SweepHost};
 use axes::{Exclusion, KeyPositions};
-use basrelief_parameters::ConfigError;
+use basrelief_parameters::{ConfigError, at_line};
 use basrelief_signals::{Frame, Scene};
 use basrelief_sim::{MachineInfo, Overrides, PreparedScene, RunOptions, input_sha256};
+use fault::PlanFault;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use written::{BaseConfig, PlanFile, SampleMethod, SampleOptions};
@@ -58,11 +60,12 @@ impl Plan {
     /// Reads a plan, opens its inputs, and checks names, values, figures and the number of points.
     ///
     /// # Errors
-    /// The first wrong field, the expected value and the cure, without the name of the file.
+    /// The line of the first wrong field, the expected value and the cure, without the name of the file.
     pub fn read(text: &str, host: &dyn SweepHost) -> Result<Self, SweepError> {
-        let mut plan = Self::parse(text, host).map_err(SweepError)?;
+        let at_line = |fault: PlanFault| SweepError(fault.at_line(text));
+        let mut plan = Self::parse(text, host).map_err(at_line)?;
         let known = one::run_small(&plan, host);
-        plan.check_figures(known.as_deref()).map_err(SweepError)?;
+        plan.check_figures(known.as_deref()).map_err(|error| at_line(error.into()))?;
         Ok(plan)
     }
 
@@ -90,10 +93,12 @@ impl Plan {
         of_run().map_err(SweepError)
     }
 
-    fn parse(text: &str, host: &dyn SweepHost) -> Result<Self, String> {
+    fn parse(text: &str, host: &dyn SweepHost) -> Result<Self, PlanFault> {
         let written = PlanFile::parse(text)?;
         let names = written.inputs();
-        let Some(first) = names.first() else { return Err("input: names nothing; expected one input at least".into()) };
+        let Some(first) = names.first() else {
+            return Err(PlanFault::new("input", "input: names nothing; expected one input at least"));
+        };
         let machine = match &written.machine {
             Some(name) => MachineInfo::named(name).map_err(|error| format!("machine: {error}"))?,
             None => MachineInfo::of_demo(first.strip_prefix("demo:").unwrap_or_default()),
@@ -103,7 +108,7 @@ impl Plan {
             Some(BaseConfig::Inline(table)) => toml::to_string(table).map_err(|error| format!("config: {error}"))?,
             Some(BaseConfig::File(name)) => host.text(name).map_err(|error| format!("config: {error}"))?,
         };
-        let loader = machine.loader(&base).map_err(|error| format!("config: {error}"))?;
+        let loader = machine.loader(&base).map_err(|error| format!("{}: {error}", written.config_place()))?;
         let mut plan = Self {
             title: written.title.clone().unwrap_or_else(|| format!("{}, {}", machine.name, names.join(", "))),
             inputs: vec![],
@@ -117,11 +122,12 @@ impl Plan {
             base: Overrides { toml: base, settings: vec![] },
             loader,
         };
-        plan.check_parameters()?;
+        plan.check_parameters(&written)?;
         if written.samples.as_ref().is_some_and(|samples| samples.method == SampleMethod::OneAtATime) {
             plan.axes = plan.around_base()?;
         }
-        let exclusions = written.exclude.iter().map(|table| Exclusion::of(table, &plan.axes)).collect::<Result<Vec<_>, _>>()?;
+        let exclusion = |(number, table)| Exclusion::of(table, &plan.axes).map_err(|fault| fault.in_block(number));
+        let exclusions = (0..).zip(&written.exclude).map(exclusion).collect::<Result<Vec<_>, _>>()?;
         let places = points::axis_values(&plan.axes, &exclusions, written.samples.as_ref(), names.len())?;
         let views = views(&written.view, &written.views);
         plan.inputs = names.iter().map(|name| plan.open(name, &views, host)).collect::<Result<_, _>>()?;
@@ -154,32 +160,57 @@ impl Plan {
     }
 
     /// Checks that each parameter occurs once, and that each value is valid by itself.
-    fn check_parameters(&self) -> Result<(), String> {
+    fn check_parameters(&self, written: &PlanFile) -> Result<(), PlanFault> {
+        let blocks = self.axis_blocks(written.zip.len());
         let mut seen = BTreeSet::new();
-        if let Some(twice) = self.axes.iter().flat_map(|axis| &axis.keys).find(|key| !seen.insert(*key)) {
-            return Err(format!("axes: `{twice}` is on two axes; expected it on one"));
+        let mut keys = blocks.iter().flat_map(|(block, axis)| axis.keys.iter().map(move |key| (block, key)));
+        if let Some((block, twice)) = keys.find(|(_, key)| !seen.insert(*key)) {
+            let message = format!("axes: `{twice}` is on two axes; expected it on one");
+            return Err(PlanFault::new(format!("{block}.{twice}"), message));
         }
-        self.check_value("config", &[])?;
-        for axis in &self.axes {
-            let place = if axis.keys.len() == 1 { "axes" } else { "zip" };
+        self.check_base(written)?;
+        for (block, axis) in &blocks {
             for values in &axis.values {
                 let settings: Vec<(&str, &str)> =
                     axis.keys.iter().map(String::as_str).zip(values.iter().map(String::as_str)).collect();
-                self.check_value(place, &settings)?;
+                self.wrong_value(&settings).map_or(Ok(()), |error| Err(self.value_fault(block, &error)))?;
             }
         }
         if self.objectives.is_empty() {
-            return Err("objectives: there are none; expected one at least, such as \"cycles min\"".into());
+            let message = "objectives: there are none; expected one at least, such as \"cycles min\"";
+            return Err(PlanFault::new("objectives", message));
         }
         Ok(())
     }
 
-    /// Parameters that do not fit together are no mistake of the plan: others may mend that, and otherwise the point is a row.
-    fn check_value(&self, place: &str, settings: &[(&str, &str)]) -> Result<(), String> {
-        match self.loader.load(settings) {
-            Err(ConfigError::Unfit { .. }) | Ok(_) => Ok(()),
-            Err(error) => Err(format!("{place}: {}", self.machine.explain(&error))),
+    /// Returns each axis with the field of the plan that declares it. The last `zips` axes come from `[[zip]]`.
+    fn axis_blocks(&self, zips: usize) -> Vec<(String, &Axis)> {
+        let (single, zipped) = self.axes.split_at(self.axes.len() - zips);
+        let blocks = (0..).zip(zipped).map(|(number, axis): (usize, _)| (format!("zip.{number}"), axis));
+        single.iter().map(|axis| ("axes".into(), axis)).chain(blocks).collect()
+    }
+
+    /// Checks the parameters of all points.
+    fn check_base(&self, written: &PlanFile) -> Result<(), PlanFault> {
+        let Some(error) = self.wrong_value(&[]) else { return Ok(()) };
+        if let Some(BaseConfig::File(_)) = &written.config {
+            let message = at_line(&self.base.toml, error.key(), self.machine.explain(&error));
+            return Err(PlanFault::new("config", format!("{}: {message}", written.config_place())));
         }
+        Err(self.value_fault("config", &error))
+    }
+
+    /// Returns the error of these settings. Parameters that do not fit together are no mistake of the plan: others may mend that, and
+    /// otherwise the point is a row.
+    fn wrong_value(&self, settings: &[(&str, &str)]) -> Option<ConfigError> {
+        self.loader.load(settings).err().filter(|error| !matches!(error, ConfigError::Unfit { .. }))
+    }
+
+    /// Returns the error of a parameter that a block of the plan gives.
+    fn value_fault(&self, block: &str, error: &ConfigError) -> PlanFault {
+        let place = block.split('.').next().unwrap_or_default();
+        let field = format!("{block}.{}", error.key().unwrap_or_default());
+        PlanFault::new(field, format!("{place}: {}", self.machine.explain(error)))
     }
 
     /// Replaces figures by their paths and checks that each exists. Without a trial run nothing is checked.

@@ -121,6 +121,14 @@ impl PlanFile {
         }
     }
 
+    /// Returns the place of the parameters of all points: the field, and the file if there is one.
+    pub(super) fn config_place(&self) -> String {
+        match &self.config {
+            Some(BaseConfig::File(name)) => format!("config: {name}"),
+            _ => "config".into(),
+        }
+    }
+
     pub(super) fn objectives(&self) -> Result<Vec<Objective>, String> {
         let objective = |written: &WrittenObjective| match written {
             WrittenObjective::Text(text) => text.parse().map_err(|error| format!("objectives: {error}")),

@@ -29,7 +29,7 @@ fn plan_errors_precede_the_first_run() {
         ("axis.a = [1]", "unknown field `axis`, expected one of"),
         ("axis.a = [1]", "; did you mean `axes`?"),
         ("constraint = [\"cycles < 5\"]", "did you mean `constraints`?"),
-        ("samples = { method = \"sobel\" }", "unknown variant `sobel`, expected one of `grid`, `latin_hypercube`, `sobol`"),
+        ("samples = { method = \"sobel\" }", "unknown value `sobel`, expected one of `grid`, `latin_hypercube`, `sobol`"),
         ("samples = { method = \"sobel\" }", "did you mean `sobol`?"),
         ("samples = { method = \"sobol\" }", "samples: `points` says how many; expected a number such as points = 64"),
         (
@@ -71,6 +71,35 @@ fn plan_errors_precede_the_first_run() {
         ("max_cycles = -1", "invalid value: integer `-1`, expected u64"),
     ];
     says(cases.map(|(rest, expected)| (format!("{HEAD}{rest}\n"), expected)));
+}
+
+#[test]
+fn plan_errors_name_line_and_key() {
+    let zip = "[[zip]]\nreplacement.lanes = [1]\n[[zip]]\n";
+    let exclude = "[axes]\nreplacement.lanes = [1]\n[[exclude]]\nreplacement.lanes = 1\n[[exclude]]\n";
+    let cases = [
+        ("[axes]\n\nreplacement.lane = [1]".into(), "line 6: axes: unknown parameter `replacement.lane`; did you mean"),
+        ("[axes.replacement]\nlanes = [1,\n0]".into(), "line 5: axes: `replacement.lanes` is 0, expected 1..=65536"),
+        ("[axes.replacement]\nlanes = [\"many\"]".into(), "line 5: axes: `replacement.lanes` is \"many\", expected 1..=65536"),
+        (
+            "[axes]\nreplacement.codebook = [\"fixd\"]".into(),
+            "line 5: axes: `replacement.codebook`: unknown value `fixd`, expected one of `fixed`",
+        ),
+        ("[axes]\nreplacement.lanes = 3".into(), "line 5: axes.replacement.lanes: is 3, expected a list of values"),
+        (format!("{zip}replacement.lanes = [2]"), "line 7: axes: `replacement.lanes` is on two axes"),
+        (format!("{zip}replacement.entries = [0]"), "line 7: zip: `replacement.entries` is 0, expected"),
+        (format!("{zip}replacement.entries = []"), "line 7: zip.replacement.entries: has no values"),
+        (format!("{zip}frame.width = [1]\nreplacement.entries = [16, 64]"), "line 8: zip: `frame.width` has 1 values and"),
+        (zip.into(), "line 6: zip: names no parameter"),
+        (format!("{exclude}replacement.lanes = 3"), "line 9: exclude: `replacement.lanes` never is 3"),
+        (format!("{exclude}replacement.lane = 3"), "line 9: exclude: `replacement.lane` is on no axis; did you mean"),
+        ("[config.replacement]\nlanes = 0".into(), "line 5: config: `replacement.lanes` is 0, expected 1..=65536"),
+        ("\nconfig = \"wrong.toml\"".into(), "line 5: config: wrong.toml: line 2: `replacement.lanes` is 0, expected"),
+        ("\nconfig = \"broken.toml\"".into(), "line 5: config: broken.toml: not valid TOML: TOML parse error at line 1"),
+        ("\nconstraints = [\"cycels < 5\"]".into(), "line 5: constraints: the report has no figure `cycels`; did you mean"),
+        ("\n[samples]\nmethod = \"sobol\"".into(), "line 5: samples: `points` says how many"),
+    ];
+    says(cases.map(|(rest, expected): (String, &str)| (format!("{HEAD}{rest}\n"), expected)));
 }
 
 #[test]

@@ -48,7 +48,12 @@ impl SweepHost for Program {
     }
 
     fn text(&self, name: &str) -> Result<String, String> {
-        if name == "wide.toml" { Ok("replacement.lanes = 16".into()) } else { Err(format!("{name}: cannot be read")) }
+        match name {
+            "wide.toml" => Ok("replacement.lanes = 16".into()),
+            "wrong.toml" => Ok("[replacement]\nlanes = 0".into()),
+            "broken.toml" => Ok("[replacement".into()),
+            _ => Err(format!("{name}: cannot be read")),
+        }
     }
 
     fn png(&self, picture: &RgbPicture) -> Result<Vec<u8>, String> {
