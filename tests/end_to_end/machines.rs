@@ -113,8 +113,9 @@ fn expectation_names_its_machine() {
     assert_eq!(place.text("t.jsonl"), good);
     fs::write(place.path("t.jsonl"), good.replace(r#""machine":"shade""#, r#""machine":"lathe""#)).expect("written");
     let outcome = place.run("verify t.jsonl");
-    let named = "t.jsonl: no machine is called `lathe`; expected bump, shade, texel, defer";
-    assert!(outcome.error(1).starts_with(named), "{}", outcome.err);
+    let line = good.lines().count() - 1;
+    let named = format!("t.jsonl: line {line}: expect.machine: no machine is called `lathe`; expected bump, shade, texel, defer");
+    assert!(outcome.error(1).starts_with(&named), "{}", outcome.err);
 }
 
 #[test]

@@ -74,6 +74,26 @@ fn trace_verifies_with_recorded_settings() {
 }
 
 #[test]
+fn wrong_parameter_of_an_expectation_is_named() {
+    let place = Place::new();
+    place.ok("record PATCH --size 48x36 --set brightness.levels=4 --set replacement.codebook=fixed --expect --out t.jsonl");
+    let good = place.text("t.jsonl");
+    let line = good.lines().count() - 1;
+    let says = |replaced: &str, by: &str, expected: &str| {
+        assert!(good.contains(replaced), "the trace has no {replaced}: {}", good.lines().nth(line - 1).unwrap_or_default());
+        fs::write(place.path("t.jsonl"), good.replace(replaced, by)).expect("written");
+        for command in ["verify t.jsonl", "verify --bless t.jsonl"] {
+            let outcome = place.run(command);
+            let message = outcome.error(1);
+            assert!(message.starts_with(&format!("t.jsonl: line {line}: expect.{expected}")), "{message}");
+        }
+    };
+    says("brightness.levels", "brightness.level", "config: unknown parameter `brightness.level`; did you mean");
+    says(r#""brightness.levels":4"#, r#""brightness.levels":-1"#, "config: `brightness.levels` is -1, expected ");
+    says(r#""fixed""#, r#""fixd""#, "config: `replacement.codebook`: unknown value `fixd`, expected one of `fixed`");
+}
+
+#[test]
 fn bless_repairs_tampered_expectation() {
     let place = Place::new();
     place.ok("record PATCH --size 48x36 --expect --out t.jsonl");

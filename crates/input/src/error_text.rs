@@ -15,7 +15,10 @@ pub(crate) fn error_text(error: &serde_json::Error) -> String {
         let (found, expected) = text.strip_prefix(start)?.rsplit_once(", expected ")?;
         Some((if start.ends_with("length ") { format!("a list of {found}") } else { found_text(found) }, expected))
     });
-    found.map_or_else(|| shorten(text), |(found, expected)| format!("{found} stands here, expected {}", expected_text(expected)))
+    found.map_or_else(
+        || shorten(&text.replacen("unknown variant", "unknown value", 1)),
+        |(found, expected)| format!("{found} stands here, expected {}", expected_text(expected)),
+    )
 }
 
 fn syntax_text(text: &str) -> String {

@@ -186,6 +186,7 @@ mod tests {
         assert_eq!(message(r#"{"one": {"a": 1, "b": [1]}}"#), "a list of 1 stands here, expected a list of 2");
         assert_eq!(message(r#"{"one": {"a": null}}"#), "null stands here, expected a whole number 0..=4294967295");
         assert_eq!(message(r#"{"choices": ["new"]}"#), "a name alone stands here, expected a name and what it holds");
+        assert_eq!(message(r#"{"choices": [{"old": 1}]}"#), "unknown value `old`, expected one of `new`, `fields`, `empty`");
         assert_eq!(message(r#"{"one": {}}"#), "missing field `a`");
         assert_eq!(message(r#"{"one": "#), "the text ends within a value");
         assert_eq!(message("{one: 1}"), "expected a key in quotes");

@@ -201,7 +201,7 @@ impl<R: Read> TraceReader<R> {
             other => other,
         };
         let message = fault.message.as_str();
-        if let (0..=1, Some(unknown)) = (fault.path.0.len(), message.strip_prefix("unknown variant")) {
+        if let (0..=1, Some(unknown)) = (fault.path.0.len(), message.strip_prefix("unknown value")) {
             return TraceError::new(at, ErrorKind::Malformed, String::new(), format!("unknown command{unknown}"));
         }
         let path = if fault.path.0.is_empty() { String::new() } else { fault.path.to_string() };

@@ -3,7 +3,7 @@
 use crate::check::check_length;
 use crate::command::*;
 use crate::data::Digest;
-use crate::error::{CommandFault, ErrorKind, TraceError};
+use crate::error::{CommandFault, ErrorKind, TraceError, TracePlace};
 use crate::lent::LentTokens;
 use crate::reader::{TraceReader, open};
 use crate::sequence::FrameNesting;
@@ -67,6 +67,8 @@ pub struct TraceResolver<R: Read, F> {
     /// Importance of the next object.
     bias: Option<u8>,
     expectations: Vec<ExpectedResults>,
+    /// Place of each expectation.
+    expectation_places: Vec<TracePlace>,
     failed: bool,
     budget: MemoryPool,
     /// Reservation of the kept data.
@@ -98,6 +100,7 @@ impl<R: Read, F: TextureFiles> TraceResolver<R, F> {
             shading: ShadingSettings::default(),
             bias: None,
             expectations: Vec::new(),
+            expectation_places: Vec::new(),
             failed: false,
             budget: budget.clone(),
             held,
@@ -127,6 +130,11 @@ impl<R: Read, F: TextureFiles> TraceResolver<R, F> {
     /// Expectations read so far. All are there after the iteration has ended.
     pub fn expectations(&self) -> &[ExpectedResults] {
         &self.expectations
+    }
+
+    /// Returns the place of each expectation.
+    pub fn expectation_places(&self) -> &[TracePlace] {
+        &self.expectation_places
     }
 
     /// Returns all expectations with their reservation.
@@ -171,6 +179,7 @@ impl<R: Read, F: TextureFiles> TraceResolver<R, F> {
                 // Twice, because the caller receives a copy.
                 self.held.try_grow(2 * expectation.bytes(), "expectations").map_err(CommandFault::over_budget(""))?;
                 self.expectations.push(*expectation);
+                self.expectation_places.push(self.reader.place());
             }
             _ => {}
         }

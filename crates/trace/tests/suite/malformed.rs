@@ -45,10 +45,10 @@ const CASES: &[(&str, &str, u64, &str, &str)] = &[
         "texture.sampler.wrap",
         "a list of 1 stands here, expected a list of 2",
     ),
-    (r#""clamp"]"#, r#""border"]"#, 2, "texture.sampler.wrap[1]", "unknown variant `border`"),
+    (r#""clamp"]"#, r#""border"]"#, 2, "texture.sampler.wrap[1]", "unknown value `border`"),
     (r#""filter":"bilinear""#, r#""filter":"bilinear","bias":1"#, 2, "texture.sampler", "unknown field `bias`"),
     (r#""n":32.0"#, r#""n":32.0,"m":1"#, 4, "material.lighting", "unknown field `m`"),
-    (r#"{"directional""#, r#"{"spot""#, 5, "frame.lights[0]", "unknown variant `spot`"),
+    (r#"{"directional""#, r#"{"spot""#, 5, "frame.lights[0]", "unknown value `spot`"),
     // begin
     (r#""format":"basrelief-display-list""#, r#""format":"gltf""#, 1, "begin.format", "no display list"),
     (r#""version":1"#, r#""version":2,"new":true"#, 1, "begin.version", "is 2, this reader knows 1"),
