@@ -119,21 +119,23 @@ impl Overrides {
         // Single settings may repair a file whose parameters do not fit together, and vice versa.
         let file_fits = match machine.load(&self.toml, &[]) {
             Err(ConfigError::Unfit { .. }) => false,
-            Err(error) => return Err(OverridesError::File(self.at_line(&error, machine.explain(&error)))),
+            Err(error) => return Err(OverridesError::File(self.at_line(error.key(), machine.explain(&error)))),
             Ok(config) => config.check().is_ok(),
         };
         let config = self.config(machine, &[]).map_err(|error| match &error {
-            ConfigError::Unfit { .. } if !file_fits => OverridesError::File(self.at_line(&error, error.to_string())),
+            ConfigError::Unfit { .. } if !file_fits => OverridesError::File(self.at_line(error.key(), error.to_string())),
             _ => OverridesError::Settings(machine.explain(&error)),
         })?;
-        let place = if file_fits { OverridesError::Settings } else { OverridesError::File };
-        config.check().map_err(|problem| place(problem.to_string()))?;
-        Ok(config)
+        match config.check() {
+            Ok(()) => Ok(config),
+            Err(problem) if file_fits => Err(OverridesError::Settings(problem.to_string())),
+            Err(problem) => Err(OverridesError::File(self.at_line(Some(&problem.key), problem.to_string()))),
+        }
     }
 
     /// Returns the text of an error, after the line of its parameter in the file if the file gives it.
-    fn at_line(&self, error: &ConfigError, text: String) -> String {
-        basrelief_parameters::at_line(&self.toml, error.key(), text)
+    fn at_line(&self, key: Option<&str>, text: String) -> String {
+        basrelief_parameters::at_line(&self.toml, key, text)
     }
 }
 
