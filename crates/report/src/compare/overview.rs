@@ -8,11 +8,11 @@ use crate::text::table::{Align, Table};
 use crate::work::work;
 use Align::{Left, Right};
 
-/// Returns the comparisons of the first report with each of the others as text: an overview, then each comparison under a heading if
-/// there are several.
+/// Returns the comparisons of the first report with each of the others as text: an overview, then each comparison under the names of its
+/// reports.
 pub fn comparisons_text(first: (&str, &Report), others: &[((&str, &Report), &Comparison)], style: TextStyle) -> String {
     let reports: Vec<_> = std::iter::once(first).chain(others.iter().map(|(other, _)| *other)).collect();
-    let heading = |name: &str| if others.len() > 1 { format!("A: {}, B: {name}\n", first.0) } else { String::new() };
+    let heading = |name: &str| format!("A: {}, B: {name}\n", first.0);
     let pairs = others.iter().map(|((name, _), comparison)| format!("\n{}{}", heading(name), comparison.to_text(style)));
     std::iter::once(overview(&reports, style)).chain(pairs).collect()
 }
@@ -71,6 +71,7 @@ fn psnr(report: &Report, first: Option<&Report>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::compare::compare;
     use crate::samples;
 
     #[test]
@@ -78,5 +79,16 @@ mod tests {
         let (a, b) = samples::before_and_after();
         let reports = [("out/a", &a), ("out/b", &b), ("out/functional", &samples::functional())];
         insta::assert_snapshot!("overview", overview(&reports, TextStyle::default()));
+    }
+
+    #[test]
+    fn comparison_names_both_reports() {
+        let (a, b) = samples::before_and_after();
+        let comparison = compare(&a, &b, None);
+        let one = comparisons_text(("out/a", &a), &[(("out/b", &b), &comparison)], TextStyle::default());
+        assert!(one.contains("\n\nA: out/a, B: out/b\n"), "{one}");
+        let others = [(("out/b", &b), &comparison), (("out/c", &b), &comparison)];
+        let two = comparisons_text(("out/a", &a), &others, TextStyle::default());
+        assert!(two.contains("\n\nA: out/a, B: out/b\n") && two.contains("\n\nA: out/a, B: out/c\n"), "{two}");
     }
 }
