@@ -1,19 +1,45 @@
 //! Area of a machine by place, and operators that are too slow for the clock.
 
 use crate::model::{Hardware, HardwareArea};
+use basrelief_kernel::HardwareKind;
 use indexmap::IndexMap;
+use std::collections::BTreeSet;
 
-/// Returns the area of each unit, FIFO, cache and port, largest first.
-pub(crate) fn by_place(all: &[Hardware]) -> Vec<(&str, HardwareArea)> {
-    let mut places: IndexMap<&str, HardwareArea> = IndexMap::new();
+/// Area of a unit, FIFO, cache or memory port.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct PlaceArea<'a> {
+    pub(crate) place: &'a str,
+    /// `unit`, `FIFO`, `cache` or `memory port`.
+    pub(crate) kind: &'static str,
+    pub(crate) area: HardwareArea,
+}
+
+/// Returns the area of each place, largest first. A unit and a FIFO with one name are two places.
+pub(crate) fn by_place(all: &[Hardware]) -> Vec<PlaceArea<'_>> {
+    let is_request_table = |piece: &&Hardware| piece.kind == HardwareKind::RequestTable;
+    let ports: BTreeSet<&str> = all.iter().filter(is_request_table).map(|piece| &*piece.place).collect();
+    let mut places: IndexMap<(&str, &str), PlaceArea<'_>> = IndexMap::new();
     for piece in all {
-        let sum = places.entry(&piece.place).or_default();
-        *sum = sum.and(piece.area);
+        let (place, kind) = (&*piece.place, kind_of_place(piece, ports.contains(&*piece.place)));
+        let sum = places.entry((place, kind)).or_insert(PlaceArea { place, kind, area: HardwareArea::default() });
+        sum.area = sum.area.and(piece.area);
     }
-    let mut places: Vec<_> = places.into_iter().collect();
+    let mut places: Vec<_> = places.into_values().collect();
     // The sort is stable.
-    places.sort_by_key(|(_, area)| std::cmp::Reverse(area.area_ge));
+    places.sort_by_key(|of| std::cmp::Reverse(of.area.area_ge));
     places
+}
+
+/// Returns the kind of place that a piece belongs to. Ports and units have line buffers; `of_port` is true if a port has the name of the
+/// place.
+fn kind_of_place(piece: &Hardware, of_port: bool) -> &'static str {
+    match piece.kind {
+        HardwareKind::Fifo => "FIFO",
+        HardwareKind::CacheData | HardwareKind::CacheTags | HardwareKind::TagComparator => "cache",
+        HardwareKind::RequestTable => "memory port",
+        HardwareKind::LineBuffer if of_port => "memory port",
+        _ => "unit",
+    }
 }
 
 /// Returns a warning for each kind of operator that needs more time per cycle than the clock leaves: `cycle_fo4` delays of an
@@ -34,7 +60,6 @@ pub fn depth_warnings(all: &[Hardware], cycle_fo4: f64) -> Vec<String> {
 mod tests {
     use super::*;
     use crate::samples::piece;
-    use basrelief_kernel::HardwareKind;
 
     #[test]
     fn places_are_listed_by_area_with_their_sums() {
@@ -43,9 +68,22 @@ mod tests {
         for (piece, ge) in all.iter_mut().zip([10, 25, 20]) {
             piece.area.area_ge = ge;
         }
-        let found: Vec<_> = by_place(&all).into_iter().map(|(place, area)| (place, area.area_ge)).collect();
+        let found: Vec<_> = by_place(&all).into_iter().map(|of| (of.place, of.area.area_ge)).collect();
         assert_eq!(found, [("a", 30), ("b", 25)]);
         assert_eq!(HardwareArea::sum(&all).area_ge, 55);
+    }
+
+    #[test]
+    fn kind_of_a_place_follows_from_its_pieces() {
+        use HardwareKind::{Adder, CacheData, CacheTags, Fifo, LineBuffer, RequestTable, Table};
+        let kinds = |pieces: &[HardwareKind]| {
+            let all: Vec<_> = pieces.iter().map(|kind| piece("a", *kind, 1, 8)).collect();
+            by_place(&all).into_iter().map(|of| of.kind).collect::<Vec<_>>()
+        };
+        assert_eq!(kinds(&[Adder, Table, LineBuffer]), ["unit"]);
+        assert_eq!(kinds(&[CacheData, CacheTags]), ["cache"]);
+        assert_eq!(kinds(&[LineBuffer, RequestTable]), ["memory port"]);
+        assert_eq!(kinds(&[Adder, Fifo]), ["unit", "FIFO"], "a unit and a FIFO with one name");
     }
 
     #[test]

@@ -29,9 +29,9 @@ mod table;
 mod tests;
 mod units;
 
-use crate::area::by_place;
+use crate::area::{PlaceArea, by_place};
+use crate::model::Report;
 use crate::model::costs::LISTED;
-use crate::model::{HardwareArea, Report};
 use crate::number::thousands;
 use crate::text::table::Table;
 use crate::text::{
@@ -146,18 +146,25 @@ fn costs(report: &Report) -> Html {
 fn areas(report: &Report) -> Html {
     let Some(sum) = report.hardware_area() else { return Html::default() };
     let places = by_place(&report.hardware);
-    let most = places.first().map_or(0, |(_, area)| area.area_ge);
-    let row = |(place, area): &(&str, HardwareArea)| {
+    let most = places.first().map_or(0, |of| of.area.area_ge);
+    let row = |PlaceArea { place, kind, area }: &PlaceArea<'_>| {
         let bar = svg::bar(&[("amount", "gate equivalents".into(), area.area_ge)], most);
         vec![
             markup::text(place),
+            markup::text(kind),
             bar,
             markup::text(thousands(area.area_ge)),
             markup::text(svg::percent_of(area.area_ge, sum.area_ge)),
         ]
     };
     let caption = format!("Area by place: {} gate equivalents (NAND2) in all", thousands(sum.area_ge));
-    let columns = [("where", Align::Left), ("", Align::Left), ("gate equivalents", Align::Right), ("share", Align::Right)];
+    let columns = [
+        ("where", Align::Left),
+        ("kind", Align::Left),
+        ("", Align::Left),
+        ("gate equivalents", Align::Right),
+        ("share", Align::Right),
+    ];
     el("div", &[("class", "bars")], [with_cells(&caption, &columns, places.iter().map(row).collect())])
 }
 

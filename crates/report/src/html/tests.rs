@@ -90,6 +90,9 @@ fn each_place_has_a_bar_of_its_area() {
     let bars: Vec<&str> =
         ["gate equivalents 100.0 %", "gate equivalents 33.3 %"].into_iter().filter(|bar| page.contains(bar)).collect();
     assert_eq!(bars.len(), 2, "{page}");
+    for (place, kind) in [("search", "unit"), ("queue", "FIFO")] {
+        assert!(page.contains(&format!(">{place}</th><td class=\"left\">{kind}</td>")), "{page}");
+    }
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::style::TextStyle;
 use super::table::{Align, Table};
-use crate::area::{by_place, depth_warnings};
+use crate::area::{PlaceArea, by_place, depth_warnings};
 use crate::model::{Hardware, HardwareArea, Report};
 use crate::number::thousands;
 use Align::{Left, Right};
@@ -41,6 +41,7 @@ pub fn hardware(all: &[Hardware], cycle_fo4: f64, style: TextStyle) -> String {
 pub(crate) fn places(all: &[Hardware]) -> Table {
     let mut table = Table::new(&[
         ("Where", Left, 0),
+        ("kind", Left, 0),
         ("area GE", Right, 0),
         ("%", Right, 0),
         ("", Left, 2),
@@ -49,13 +50,14 @@ pub(crate) fn places(all: &[Hardware]) -> Table {
         ("memory bits", Right, 1),
     ]);
     let (sum, places) = (HardwareArea::sum(all), by_place(all));
-    let most = places.first().map_or(0, |(_, area)| area.area_ge);
-    for (place, area) in places.into_iter().chain([("total", sum)]) {
+    let most = places.first().map_or(0, |of| of.area.area_ge);
+    for PlaceArea { place, kind, area } in places.into_iter().chain([PlaceArea { place: "total", kind: "", area: sum }]) {
         let bar = if place == "total" { 0 } else { (BAR * area.area_ge).checked_div(most).unwrap_or(0) };
         let percent = 100.0 * area.area_ge as f64 / sum.area_ge.max(1) as f64;
         let counts = [area.logic_ge, area.register_bits, area.memory_bits].map(thousands);
         let bar = "█".repeat(usize::try_from(bar).unwrap_or(0));
-        table.row([place.to_owned(), thousands(area.area_ge), format!("{percent:.1}"), bar].into_iter().chain(counts));
+        let cells = [place.to_owned(), kind.to_owned(), thousands(area.area_ge), format!("{percent:.1}"), bar];
+        table.row(cells.into_iter().chain(counts));
     }
     table
 }
@@ -121,8 +123,8 @@ mod tests {
         let text = hardware(&report.hardware, 83.0, TextStyle { width: 200, color: false });
         assert!(text.contains("256    48  12,288"), "{text}");
         let has = |line: &str| assert!(text.lines().any(|l| l.split_whitespace().eq(line.split(' '))), "{line}: {text}");
-        has("search 30,000 75.0 ████████████████████ 0 0 0");
-        has("wire 10,000 25.0 ██████ 0 0 0");
+        has("search unit 30,000 75.0 ████████████████████ 0 0 0");
+        has("wire FIFO 10,000 25.0 ██████ 0 0 0");
         has("total 40,000 100.0 0 0 0");
     }
 }
