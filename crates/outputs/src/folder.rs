@@ -54,11 +54,6 @@ impl OutputFolder {
         fs::remove_file(&path).map(|()| file)
     }
 
-    /// Returns the path of the folder.
-    pub fn path(&self) -> &Path {
-        &self.folder
-    }
-
     /// Returns the final path of a file.
     pub fn place(&self, name: &str) -> PathBuf {
         self.folder.join(name)
@@ -79,32 +74,40 @@ impl OutputFolder {
         fs::copy(from, self.partial.join(second)).map(|_| ())
     }
 
-    /// Publishes one file before the others; it stays even if the run fails. Removes the files named in `belong`, which are of an
-    /// older run.
-    pub fn show(&self, name: &str, belong: &[String]) -> io::Result<()> {
+    /// Publishes one file before the others; it stays even if the run fails. Removes the files that `earlier_files` lists in the folder,
+    /// which are of an older run. Waits for its turn, as [`OutputFolder::publish`] does.
+    pub fn show(&self, name: &str, earlier_files: impl FnOnce(&Path) -> Vec<String>) -> io::Result<()> {
+        let _turn = turn(&self.folder)?;
         let _lock = UnfinishedFiles::lock();
         let file = self.partial.join(name);
         sync(&file)?;
-        belong.iter().try_for_each(|name| remove_if_there(&self.folder.join(name)))?;
+        self.remove_all(earlier_files(&self.folder))?;
         fs::rename(file, self.folder.join(name))
     }
 
     /// Publishes all files, `last` after the others: a reader that finds it finds the others too. Two runs publish into a folder one after
-    /// the other. An older `last` and the older files named in `belong` are removed first, so that a run killed here never leaves them
-    /// beside new files.
-    pub fn publish(mut self, last: &str, belong: &[String]) -> io::Result<()> {
+    /// the other. An older `last` and the files that `earlier_files` lists in the folder are removed first, so that a run killed here never
+    /// leaves them beside new files. The list is read in the turn of this run, because another run can change the folder before.
+    pub fn publish(mut self, last: &str, earlier_files: impl FnOnce(&Path) -> Vec<String>) -> io::Result<()> {
         let _turn = turn(&self.folder)?;
         let mut unfinished = UnfinishedFiles::lock();
         let others = self.others(last)?;
         let names: Vec<&Path> = others.iter().map(AsRef::as_ref).chain([Path::new(last)]).collect();
         // A file that is renamed before its content is on disk can be empty after a power cut.
         names.iter().try_for_each(|name| sync(&self.partial.join(name)))?;
-        belong.iter().map(String::as_str).chain([last]).try_for_each(|name| remove_if_there(&self.folder.join(name)))?;
+        let mut earlier = earlier_files(&self.folder);
+        earlier.push(last.into());
+        self.remove_all(earlier)?;
         names.iter().try_for_each(|name| fs::rename(self.partial.join(name), self.folder.join(name)))?;
         fs::remove_dir_all(&self.partial)?;
         unfinished.forget(&self.leftovers);
         self.leftovers.clear();
         Ok(())
+    }
+
+    /// Removes those of these files that exist.
+    fn remove_all(&self, names: Vec<String>) -> io::Result<()> {
+        names.iter().try_for_each(|name| remove_if_there(&self.folder.join(name)))
     }
 
     /// Returns the names of all files but `last`.

@@ -16,6 +16,11 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
+/// Lists no files of an earlier run.
+fn nothing(_: &Path) -> Vec<String> {
+    vec![]
+}
+
 #[test]
 fn dropped_outputs_leave_no_files_or_folders() {
     let base = tempfile::tempdir().unwrap();
@@ -35,7 +40,7 @@ fn publish_replaces_own_files_only() {
     outputs.create("first").unwrap().write_all(b"new").unwrap();
     outputs.create("report").unwrap();
     outputs.rename("first", "a.txt").unwrap();
-    outputs.publish("report", &[]).unwrap();
+    outputs.publish("report", nothing).unwrap();
     assert_eq!(names(base.path()), ["a.txt", "mine.txt", "report"]);
     assert_eq!(fs::read_to_string(base.path().join("a.txt")).unwrap(), "new");
 }
@@ -46,7 +51,7 @@ fn stale_recording_is_removed_with_its_report() {
     let publish = |names: &[&str]| {
         let outputs = OutputFolder::begin(base.path()).unwrap();
         names.iter().for_each(|name| drop(outputs.create(name).unwrap()));
-        outputs.publish(REPORT, &[RECORDING.into()]).unwrap();
+        outputs.publish(REPORT, |_| vec![RECORDING.into()]).unwrap();
     };
     publish(&[REPORT, RECORDING, "image.png"]);
     publish(&[REPORT, RECORDING]);
@@ -68,14 +73,14 @@ fn old_report_never_lies_beside_new_images() {
     let outputs = OutputFolder::begin(base.path()).unwrap();
     write_all(&outputs, &["image.png".into()], "new");
     assert_eq!(names(base.path()).len(), 1 + OF_A_RUN.len() + 1);
-    outputs.show("image.png", &OF_A_RUN.map(str::to_owned)).unwrap();
+    outputs.show("image.png", |_| OF_A_RUN.map(str::to_owned).into()).unwrap();
     drop(outputs);
     assert_eq!(names(base.path()), ["image.png"]);
     // The best image of a failed run.
     old();
     let outputs = OutputFolder::begin(base.path()).unwrap();
     write_all(&outputs, &["image.png".into()], "best");
-    outputs.publish("image.png", &OF_A_RUN.map(str::to_owned)).unwrap();
+    outputs.publish("image.png", |_| OF_A_RUN.map(str::to_owned).into()).unwrap();
     assert_eq!(names(base.path()), ["image.png"]);
 }
 
@@ -86,7 +91,7 @@ fn failed_placement_leaves_no_file() {
     let outputs = OutputFolder::begin(base.path()).unwrap();
     outputs.create("a").unwrap();
     outputs.create("report").unwrap();
-    assert!(outputs.publish("report", &[]).unwrap_err().to_string().contains("report is a folder"));
+    assert!(outputs.publish("report", nothing).unwrap_err().to_string().contains("report is a folder"));
     assert_eq!(names(base.path()), ["report"]);
 }
 
@@ -117,29 +122,47 @@ fn runs_into_one_folder_do_not_mix_files() {
     let (first, second) = (OutputFolder::begin(base.path()).unwrap(), OutputFolder::begin(base.path()).unwrap());
     write_all(&first, &all, "first");
     write_all(&second, &all[..1], "second");
-    first.publish("report.json", &[]).unwrap();
+    first.publish("report.json", nothing).unwrap();
     assert_eq!(says(), ["first", "first"]);
     write_all(&second, &all[1..], "second");
-    second.publish("report.json", &[]).unwrap();
+    second.publish("report.json", nothing).unwrap();
     assert_eq!(says(), ["second", "second"]);
     assert_eq!(names(base.path()), all);
+}
+
+/// Publishes through `publish` while another process holds the lock of the folder. That process publishes `report.json` and
+/// `image-0007.png`.
+#[cfg(unix)]
+fn publish_after_another_run(publish: fn(OutputFolder) -> std::io::Result<()>) -> Vec<String> {
+    let base = tempfile::tempdir().unwrap();
+    let outputs = OutputFolder::begin(base.path()).unwrap();
+    write_all(&outputs, &["image.png".into()], "mine");
+    let other = fs::File::open(base.path()).unwrap();
+    other.lock().unwrap();
+    let waits = std::thread::spawn(move || publish(outputs));
+    std::thread::sleep(std::time::Duration::from_millis(200));
+    assert!(!base.path().join("image.png").exists());
+    [REPORT, "image-0007.png"].iter().for_each(|name| fs::write(base.path().join(name), "other").unwrap());
+    drop(other);
+    waits.join().unwrap().unwrap();
+    names(base.path())
 }
 
 #[cfg(unix)]
 #[test]
 fn simultaneous_runs_publish_in_turn() {
-    let base = tempfile::tempdir().unwrap();
-    let outputs = OutputFolder::begin(base.path()).unwrap();
-    write_all(&outputs, &["image.png".into()], "mine");
-    // Another process holds this lock while it publishes.
-    let other = fs::File::open(base.path()).unwrap();
-    other.lock().unwrap();
-    let waits = std::thread::spawn(move || outputs.publish("image.png", &[]));
-    std::thread::sleep(std::time::Duration::from_millis(200));
-    assert!(!base.path().join("image.png").exists());
-    drop(other);
-    waits.join().unwrap().unwrap();
-    assert_eq!(names(base.path()), ["image.png"]);
+    let found = publish_after_another_run(|outputs| outputs.publish("image.png", nothing));
+    assert_eq!(found, ["image-0007.png", "image.png", REPORT]);
+}
+
+#[cfg(unix)]
+#[test]
+fn files_of_the_run_before_are_listed_in_turn() {
+    fn visible(folder: &Path) -> Vec<String> {
+        names(folder).into_iter().filter(|name| !name.starts_with('.')).collect()
+    }
+    assert_eq!(publish_after_another_run(|outputs| outputs.publish("image.png", visible)), ["image.png"]);
+    assert_eq!(publish_after_another_run(|outputs| outputs.show("image.png", visible)), ["image.png"]);
 }
 
 /// Makes the remains of a killed run: a folder with an image, an empty folder, and a file.
@@ -164,7 +187,7 @@ fn remains_of_dead_runs_only_are_removed() {
     drop(PartialFile::create(&place).unwrap());
     drop(OutputFolder::begin(base.path()).unwrap());
     assert_eq!(names(base.path()).len(), 2, "{:?}", names(base.path()));
-    living.publish("image.png", &[]).unwrap();
+    living.publish("image.png", nothing).unwrap();
     file.publish().unwrap();
     assert_eq!(names(base.path()), ["image.png", "t.bdl"]);
 }

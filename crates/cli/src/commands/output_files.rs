@@ -90,7 +90,7 @@ impl Observer for OutputFiles {
                 if exhibit.info.form == AuxForm::PicturePerRound {
                     if self.real.is_some() {
                         let failed = |e| format!("{}: cannot be written: {e}", self.outputs.place(name).display());
-                        self.outputs.show(name, &earlier_files(self.outputs.path())).map_err(failed)?;
+                        self.outputs.show(name, earlier_files).map_err(failed)?;
                     }
                     self.shown = Some((exhibit.frame, name.clone()));
                 }
@@ -206,8 +206,7 @@ impl OutputFiles {
     /// Keeps the best image of the unfinished frame of a failed run.
     pub fn keep_best_image(self, error: CommandError) -> CommandError {
         let Some((_, best)) = self.shown.filter(|(frame, _)| *frame as usize >= self.frames) else { return error };
-        let earlier = earlier_files(self.outputs.path());
-        match self.outputs.copy(&best, "image.png").and_then(|()| self.outputs.publish("image.png", &earlier)) {
+        match self.outputs.copy(&best, "image.png").and_then(|()| self.outputs.publish("image.png", earlier_files)) {
             Ok(()) => error,
             Err(e) => CommandError::BadInput(format!("{error}\nThe best image so far cannot be written: {e}")),
         }

@@ -27,8 +27,7 @@ pub fn publish_report(
     if recording.map_or(Ok(false), |recording| recording.write_to(&outputs))? {
         names.push(RUN_RECORDING);
     }
-    let earlier = earlier_files(outputs.path());
-    outputs.publish(REPORT, &earlier)?;
+    outputs.publish(REPORT, earlier_files)?;
     Ok(names)
 }
 

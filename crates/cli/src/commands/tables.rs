@@ -81,5 +81,5 @@ fn publish(outputs: OutputFolder, table: &FinishedTable, args: &SimulationArgs) 
         let mut file = outputs.create(name).map_err(failed())?;
         file.write_all(text.as_bytes()).and_then(|()| file.flush()).map_err(failed())?;
     }
-    outputs.publish(&json, &[]).map_err(failed())
+    outputs.publish(&json, |_| vec![]).map_err(failed())
 }
