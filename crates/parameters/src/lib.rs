@@ -27,16 +27,21 @@
 //! ```
 
 mod error;
+mod error_place;
 mod fields;
 mod load;
 #[doc(hidden)]
 pub mod private;
+mod settings;
+mod suggestion;
 mod table;
 mod user_settings;
 
 pub use error::{ConfigError, RangeError};
+pub use error_place::{at_line, line_of, syntax};
 pub use fields::{Field, FieldMut, Fields, ParameterValue, from_json, to_json};
-pub use load::{Loader, at_line, is_given, line_of, load, nearest, syntax};
+pub use load::{Loader, is_given, load};
+pub use suggestion::nearest;
 pub use table::{Effect, Parameter, Parameters, Provenance, as_option, resolved, value_of};
 pub use user_settings::UserSettings;
 
