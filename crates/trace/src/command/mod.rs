@@ -1,12 +1,16 @@
 //! The commands of a display list, as they stand in a trace: plain data, one type per command.
 
-use crate::data::{Digest, Texels};
-use crate::parameter_value::ParameterValue;
-use basrelief_signals::{Camera, Light, LightKind, Lighting, MeshInfo, Sampler, ShadingMode, ShadingSettings};
+mod definition;
+mod expectation;
+mod fields;
+
+pub use definition::{MaterialDefinition, TextureDefinition, TextureKind};
+pub use expectation::{ExpectedResults, ExpectedTraffic, MAX_EXPECTATIONS};
+
+use basrelief_signals::{Camera, Light, LightKind, MeshInfo, ShadingMode, ShadingSettings};
+use fields::fields;
 use schemars::JsonSchema;
-use serde::ser::SerializeStruct;
-use serde::{Deserialize, Serialize, Serializer};
-use std::collections::BTreeMap;
+use serde::{Deserialize, Serialize};
 
 /// Value of `begin.format`.
 pub const FORMAT: &str = "basrelief-display-list";
@@ -83,42 +87,6 @@ impl TraceCommand {
     }
 }
 
-/// Declares a command with optional fields, which take their type's default where missing. Text omits them then; the
-/// binary form, which has no field names, always holds every field. (serde's own `skip_serializing_if` cannot tell
-/// the two forms apart.)
-macro_rules! fields {
-    ($(#[$about:meta])* pub struct $name:ident {
-        $($(#[$doc:meta])* $field:ident: $type:ty,)*
-    } optional {
-        $($(#[$optional_doc:meta])* $optional:ident: $optional_type:ty,)*
-    }) => {
-        $(#[$about])*
-        #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
-        #[serde(deny_unknown_fields)]
-        pub struct $name {
-            $($(#[$doc])* pub $field: $type,)*
-            $($(#[$optional_doc])* #[serde(default)] pub $optional: $optional_type,)*
-        }
-
-        impl Serialize for $name {
-            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-                let every = !serializer.is_human_readable();
-                let fields: &[bool] = &[
-                    $({ let _ = &self.$field; true },)*
-                    $(every || self.$optional != <$optional_type as Default>::default(),)*
-                ];
-                let shown = fields.iter().filter(|shown| **shown).count();
-                let mut out = serializer.serialize_struct(stringify!($name), shown)?;
-                $(out.serialize_field(stringify!($field), &self.$field)?;)*
-                $(if every || self.$optional != <$optional_type as Default>::default() {
-                    out.serialize_field(stringify!($optional), &self.$optional)?;
-                })*
-                out.end()
-            }
-        }
-    };
-}
-
 /// First command: format, version and size of the pictures.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -142,99 +110,6 @@ impl BeginCommand {
     /// Creates the beginning of a trace by this project's geometry processor (102).
     pub fn new(width: u32, height: u32) -> Self {
         Self { format: FORMAT.into(), version: VERSION, width, height, generator: "basrelief".into() }
-    }
-}
-
-/// Use of a texture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum TextureKind {
-    /// Ordinary texture: RGBA, 4 bytes per texel.
-    Color,
-    /// Texture (118) of normals: RGB, 3 bytes per texel.
-    Normal,
-}
-
-impl TextureKind {
-    /// Bytes per texel in a trace.
-    pub fn texel_bytes(self) -> u64 {
-        match self {
-            Self::Color => 4,
-            Self::Normal => 3,
-        }
-    }
-}
-
-fields! {
-    /// Defines a texture. Its texels stand either here (`data`) or in a file beside the trace (`file`): all levels,
-    /// finest first, rows from the top, 8 bits per channel; each level has max(1, floor(size / 2)) texels per side of
-    /// the one before.
-    pub struct TextureDefinition {
-        /// Number; colour textures and normal maps share one numbering. Defined once.
-        id: u32,
-        /// For messages.
-        name: String,
-        /// Use, and with it the channels.
-        kind: TextureKind,
-        /// Wrap and filter.
-        sampler: Sampler,
-        /// Width of level 0 \[texels\], 1..=16384.
-        #[schemars(range(min = 1, max = MAX_SIDE))]
-        width: u32,
-        /// Height of level 0 \[texels\], 1..=16384.
-        #[schemars(range(min = 1, max = MAX_SIDE))]
-        height: u32,
-        /// Number of levels, from 1 up to the one of 1 x 1 texel.
-        #[schemars(range(min = 1, max = 15))]
-        levels: u32,
-        /// Texels ahead of it in its memory, each level padded to whole 4 x 4 blocks: a multiple of 16 below 2^40.
-        offset: u64,
-        /// Digest of the texels' bytes.
-        sha256: Digest,
-    } optional {
-        /// The texels.
-        data: Option<Texels>,
-        /// File that holds the texels, by a relative path with `/` between its parts.
-        file: Option<String>,
-    }
-}
-
-impl TextureDefinition {
-    /// Width and height of each level, finest first.
-    pub fn level_sizes(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
-        let (width, height) = (self.width, self.height);
-        (0..self.levels).map(move |k| {
-            let side = |side: u32| side.checked_shr(k).unwrap_or(0).max(1);
-            (side(width), side(height))
-        })
-    }
-
-    /// Texels of all levels.
-    pub fn texel_count(&self) -> u64 {
-        self.level_sizes().map(|(width, height)| u64::from(width) * u64::from(height)).sum()
-    }
-}
-
-fields! {
-    /// Defines a material.
-    pub struct MaterialDefinition {
-        /// Number. Defined once.
-        id: u32,
-        /// For messages.
-        name: String,
-        /// RGBA factor.
-        base_color: [f32; 4],
-        /// Multiplies x and y of the tangent-space normal.
-        normal_scale: f32,
-        /// Lighting coefficients.
-        lighting: Lighting,
-    } optional {
-        /// Number of a colour texture defined before.
-        color_texture: Option<u32>,
-        /// Number of a normal map defined before.
-        normal_map: Option<u32>,
-        /// Back faces are drawn too.
-        double_sided: bool,
     }
 }
 
@@ -399,66 +274,6 @@ pub struct Criterion {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FrameEnd {}
-
-/// Bytes moved by one client of a memory.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ExpectedTraffic {
-    /// Bytes read.
-    pub read_bytes: u64,
-    /// Bytes written.
-    pub write_bytes: u64,
-}
-
-/// Maximum number of expectations of a trace. `verify` replays the trace for each.
-pub const MAX_EXPECTATIONS: usize = 64;
-
-fields! {
-    /// Expected results of a machine: replaying the trace is a test. Missing fields are not checked.
-    pub struct ExpectedResults {} optional {
-        /// Machine, such as `bump`.
-        machine: Option<String>,
-        /// Settings other than the defaults, by dotted name.
-        config: BTreeMap<String, ParameterValue>,
-        /// Total \[cycles\].
-        cycles: Option<u64>,
-        /// Render cycles of each frame.
-        frames: Vec<u64>,
-        /// Bytes by memory and client.
-        memories: BTreeMap<String, BTreeMap<String, ExpectedTraffic>>,
-        /// Digests of the RGB8 rows of each picture, in order of time.
-        images: Vec<Digest>,
-    }
-}
-
-impl Default for ExpectedResults {
-    /// Expects nothing.
-    fn default() -> Self {
-        Self {
-            machine: None,
-            config: BTreeMap::new(),
-            cycles: None,
-            frames: Vec::new(),
-            memories: BTreeMap::new(),
-            images: Vec::new(),
-        }
-    }
-}
-
-impl ExpectedResults {
-    /// Returns the approximate memory \[bytes\]: the share of a map node per entry, and the capacity of texts.
-    pub(crate) fn bytes(&self) -> u64 {
-        const PLACE: usize = 160;
-        let settings = self.config.iter().map(|(name, value)| PLACE + name.len() + value.bytes());
-        let clients = |(name, clients): (&String, &BTreeMap<String, _>)| {
-            let own = clients.keys().map(|client| PLACE + client.len());
-            4 * PLACE + name.len() + own.sum::<usize>()
-        };
-        let lists = size_of_val(&*self.frames) + size_of_val(&*self.images) + self.machine.as_ref().map_or(0, String::len);
-        let maps = settings.sum::<usize>() + self.memories.iter().map(clients).sum::<usize>();
-        (size_of::<Self>() + 2 * lists + maps) as u64
-    }
-}
 
 /// Last command: without it a trace is truncated.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
