@@ -1,7 +1,8 @@
 //! The points of a plan.
 
-use super::axes::{Axis, Exclusion};
+use super::axes::Axis;
 use super::definition::{Plan, PlanPoint};
+use super::exclusion::Exclusion;
 use super::identity::PlanIdentity;
 use super::written::{SampleMethod, SampleOptions};
 use crate::sample::{full_grid, latin_hypercube, sobol};
