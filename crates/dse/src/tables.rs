@@ -139,7 +139,8 @@ fn front_text(table: &Table) -> String {
     let (points, of) = (front.len(), table.rows.iter().filter(|row| table.feasible(row)).count());
     let kept: Vec<String> = table.constraints.iter().map(ToString::to_string).collect();
     let keep = if kept.is_empty() { String::new() } else { format!(" that keep {}", kept.join(", ")) };
-    let mut text = format!("{}\n{points} of {of} points{keep} are Pareto-optimal\n", table.title);
+    let are = if points == 1 { "is" } else { "are" };
+    let mut text = format!("{}\n{points} of {of} points{keep} {are} Pareto-optimal\n", table.title);
     let ties: usize = front.iter().map(|point| point.ties.len()).sum();
     if ties > 0 {
         let _ =
