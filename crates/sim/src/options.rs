@@ -6,7 +6,7 @@ use basrelief_deferred_renderer::TileSource;
 use basrelief_input::MemoryPool;
 use basrelief_kernel::Engine;
 use basrelief_machines::{InputKind, MachineConfig, MachineInfo};
-use basrelief_parameters::{ConfigError, Parameters};
+use basrelief_parameters::{ConfigError, Loader, Parameters};
 use basrelief_trace::{NoFiles, TextureFiles};
 use serde::{Deserialize, Serialize};
 use std::io::Read;
@@ -95,9 +95,14 @@ impl Overrides {
         machine.load(&self.toml, &self.with_overrides(more))
     }
 
+    /// Returns a loader of configurations of type `C` with these overrides.
+    pub(crate) fn loader<C: Parameters>(&self) -> Result<OverridesLoader<'_, C>, ConfigError> {
+        Ok(OverridesLoader { overrides: self, loader: Loader::new(&self.toml)? })
+    }
+
     /// Returns a configuration of type `C` with these overrides, then with `more` settings.
     pub(crate) fn load<C: Parameters>(&self, more: &[(String, String)]) -> Result<C, ConfigError> {
-        basrelief_parameters::load(&self.toml, &self.with_overrides(more))
+        self.loader()?.load(more)
     }
 
     /// Returns true if the user gave this parameter.
@@ -136,6 +141,20 @@ impl Overrides {
     /// Returns the text of an error, after the line of its parameter in the file if the file gives it.
     fn at_line(&self, key: Option<&str>, text: String) -> String {
         basrelief_parameters::at_line(&self.toml, key, text)
+    }
+}
+
+/// Loader of many configurations with the same overrides. A load takes a fifth of [`Overrides::load`].
+#[derive(Debug)]
+pub(crate) struct OverridesLoader<'a, C> {
+    overrides: &'a Overrides,
+    loader: Loader<C>,
+}
+
+impl<C: Parameters> OverridesLoader<'_, C> {
+    /// Returns a configuration with the overrides, then with `more` settings.
+    pub(crate) fn load(&self, more: &[(String, String)]) -> Result<C, ConfigError> {
+        self.loader.load(&self.overrides.with_overrides(more))
     }
 }
 

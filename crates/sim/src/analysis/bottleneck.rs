@@ -4,7 +4,7 @@ use super::analysis_task::{AnalysisTask, PathsAhead};
 use super::ladder::{Ladder, LadderSearch};
 use super::relaxations::{Relaxation, RelaxationCandidates, Settings, busiest_unit, joined_settings, with_equals};
 use super::resimulations::Resimulations;
-use crate::options::Overrides;
+use crate::options::{Overrides, OverridesLoader};
 use basrelief_kernel::recording::RecordingChunk;
 use basrelief_kernel::{self as kernel, Netlist, PathSegment, Recording, RequestPhase, RunReport, StageGroups};
 use basrelief_machines::{InputKind, MachineSpec};
@@ -98,13 +98,14 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
     /// Returns the bottlenecks and the critical path; `None` if the machine has no netlist.
     pub(crate) fn bottlenecks(&self) -> Option<BottleneckList> {
         let netlist = self.input.shape(self.spec).ok()?;
+        let loader = self.overrides.loader::<S>().ok()?;
         let relaxed = |set: &Settings| {
-            let relaxed = self.input.shape(&self.overrides.load::<S>(set).ok()?).ok()?;
+            let relaxed = self.input.shape(&loader.load(set).ok()?).ok()?;
             netlist.same_work(&relaxed).ok()?;
             Some(relaxed)
         };
         let resimulations = Resimulations::new(Recording::new(self.chunks, &netlist, self.room), &relaxed);
-        let progress = self.resimulate_all(&netlist, &resimulations);
+        let progress = self.resimulate_all(&netlist, &resimulations, &loader);
         let mut timed = progress.single_relaxations(&resimulations, |cycles| self.saves_much(cycles));
         // The sort is stable: ties keep the order of the block diagram.
         timed.sort_by_key(|(_, cycles)| *cycles);
@@ -117,8 +118,13 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
 
     /// Finds the critical path, resimulates each candidate on it, and climbs the ladder, which takes longest. Other threads find
     /// paths that the ladder will need.
-    fn resimulate_all(&self, netlist: &Netlist, resimulations: &Resimulations<'_>) -> AnalysisProgress {
-        let load = |set: &[(String, String)]| self.overrides.load::<S>(set).ok();
+    fn resimulate_all(
+        &self,
+        netlist: &Netlist,
+        resimulations: &Resimulations<'_>,
+        loader: &OverridesLoader<'_, S>,
+    ) -> AnalysisProgress {
+        let load = |set: &[(String, String)]| loader.load(set).ok();
         let resources = RelaxationCandidates { run: self.run, netlist, spec: self.spec, load: &load };
         let is_parallel = threads::workers() > 1;
         let all = resources.all();
@@ -128,7 +134,7 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
         threads::run_tasks(first, |task, tasks| match task {
             AnalysisTask::Path => {
                 let path = resimulations.grouped_path(netlist.clone(), self.groups);
-                let candidates = resources.on_path(path.as_ref());
+                let candidates = resources.on_path(&all, path.as_ref());
                 tasks.add(path.clone().map(AnalysisTask::Climb));
                 tasks.add(candidates.iter().cloned().map(AnalysisTask::Resimulate));
                 let mut progress = threads::lock(&progress);

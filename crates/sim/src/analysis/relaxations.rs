@@ -105,21 +105,21 @@ impl<S: MachineSpec> RelaxationCandidates<'_, S> {
         all
     }
 
-    /// Returns the relaxations that could save more than a little.
+    /// Returns those of all relaxations that could save more than a little.
     ///
     /// The critical path is a lower bound of the time. A relaxation shortens only the segments of its resource, except that a memory
     /// may serve other requests sooner. Therefore a resource that is not on the path saves nothing, or little. Without a path every
     /// relaxation counts. FIFOs have no threshold, because other waits may hide behind a short one.
-    pub(crate) fn on_path(&self, path: Option<&CriticalPath>) -> Vec<Relaxation> {
+    pub(crate) fn on_path(&self, all: &[Relaxation], path: Option<&CriticalPath>) -> Vec<Relaxation> {
         let full = |name: &str| self.run.fifos.iter().any(|fifo| fifo.name == name && fifo.high_water() == fifo.depth);
-        let could_save = |relaxation: &Relaxation| {
+        let could_save = |relaxation: &&Relaxation| {
             let cycles = path.map_or(u64::MAX, |path| relaxation.path_cycles(path));
             match relaxation.kind {
                 ResourceKind::Fifo => cycles > 0 && full(&relaxation.resource),
                 _ => cycles > path.map_or(0, |path| path.cycles / PART),
             }
         };
-        self.all().into_iter().filter(could_save).collect()
+        all.iter().filter(could_save).cloned().collect()
     }
 
     /// Units with an initiation interval above 1.
