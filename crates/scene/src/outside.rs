@@ -20,6 +20,11 @@ impl<'a> ImportContext<'a> {
         Self { files, budget: budget.clone(), kept: RefCell::new(budget.empty_reservation()) }
     }
 
+    /// Memory limit of the import.
+    pub(crate) fn budget(&self) -> &MemoryPool {
+        &self.budget
+    }
+
     /// Takes memory that is given back before the import ends.
     pub(crate) fn take(&self, bytes: u64, place: impl Into<String>, what: impl Display) -> Result<MemoryReservation, SceneError> {
         self.budget.try_reserve(bytes, what).map_err(|error| over_budget(place, &error))

@@ -1,10 +1,14 @@
 //! Textures of one scene: numbering, and places in memory.
 
 use crate::SceneError;
+use crate::files::MemoryFiles;
 use crate::outside::ImportContext;
 use crate::picture::decode;
 use crate::pyramid::{color_levels, height_levels, heights_of, normal_levels};
+use basrelief_input::MemoryReservation;
 use basrelief_signals::{Image, Sampler, Texture};
+use basrelief_threads::join;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Memory of a texture beside its name and its texels \[bytes\].
@@ -21,31 +25,34 @@ pub(crate) enum TextureContent {
     Heights(f64),
 }
 
-/// Numbers textures and places them in memory one after the other, colour textures and normal maps apart.
-#[derive(Debug, Default)]
-pub(crate) struct TextureStore {
-    next_id: u32,
-    color_end: u64,
-    normal_end: u64,
+/// A picture file, and its use as a texture.
+pub(crate) struct TexturePicture<'a> {
+    pub(crate) bytes: Cow<'a, [u8]>,
+    /// Memory of the bytes.
+    pub(crate) _held: MemoryReservation,
+    pub(crate) name: String,
+    pub(crate) sampler: Sampler,
+    pub(crate) content: TextureContent,
 }
 
-impl TextureStore {
-    /// Decodes a picture file and adds it as a texture.
-    pub(crate) fn decode(
-        &mut self,
-        bytes: &[u8],
-        name: &str,
-        sampler: Sampler,
-        content: TextureContent,
-        outside: &ImportContext<'_>,
-    ) -> Result<Arc<Texture>, SceneError> {
+/// A decoded picture with its levels, without a number and a place in memory.
+#[derive(Debug)]
+struct TextureLevels {
+    levels: Vec<Image>,
+    held: MemoryReservation,
+}
+
+impl TexturePicture<'_> {
+    /// Decodes the picture and makes its levels.
+    fn decode(&self, outside: &ImportContext<'_>) -> Result<TextureLevels, SceneError> {
+        let Self { bytes, name, sampler, content, .. } = self;
         let (image, mut held) = decode(bytes, name, outside)?;
         // The levels take as much again where the picture is a single row, a third of it elsewhere; heights have 8 bytes each.
         let finest = held.bytes();
         let beside = if let TextureContent::Heights(_) = content { 4 * finest } else { finest };
         let what = format!("levels of {name}, a picture of {} x {}", image.width, image.height);
         held.join(outside.take(beside + TEXTURE + name.len() as u64, "", what).map_err(|e| e.in_file(name))?);
-        let levels = match content {
+        let levels = match *content {
             TextureContent::Color => color_levels(image),
             TextureContent::Normals => normal_levels(image),
             TextureContent::Heights(strength) => {
@@ -55,6 +62,52 @@ impl TextureStore {
             }
         };
         held.shrink_to(TEXTURE + name.len() as u64 + levels.iter().map(|l| size_of_val(&*l.texels) as u64).sum::<u64>());
+        Ok(TextureLevels { levels, held })
+    }
+}
+
+/// Numbers textures and places them in memory one after the other, colour textures and normal maps apart.
+#[derive(Debug, Default)]
+pub(crate) struct TextureStore {
+    next_id: u32,
+    color_end: u64,
+    normal_end: u64,
+    /// Pictures of one material that are decoded ahead.
+    ahead: Vec<(TextureContent, TextureLevels)>,
+}
+
+impl TextureStore {
+    /// Decodes two pictures of a material at the same time, for the next calls of [`TextureStore::decode`]. They have different contents, and
+    /// neither has a texture yet.
+    ///
+    /// Does nothing if a picture is missing or cannot be decoded, for example because both do not fit in memory together. Decoded one after
+    /// the other, they give the same textures and errors.
+    pub(crate) fn decode_ahead(&mut self, outside: &ImportContext<'_>, pictures: Option<[TexturePicture<'_>; 2]>) {
+        self.ahead.clear();
+        let Some([first, second]) = &pictures else { return };
+        // Files of the model are not shared with other threads.
+        let budget = outside.budget();
+        let decoded = |picture: &TexturePicture<'_>| {
+            let levels = picture.decode(&ImportContext::new(&MemoryFiles::default(), budget)).ok()?;
+            Some((picture.content, levels))
+        };
+        if let (Some(first), Some(second)) = join(|| decoded(first), || decoded(second)) {
+            self.ahead.extend([first, second]);
+        }
+    }
+
+    /// Decodes a picture file, unless it is [decoded ahead](Self::decode_ahead), and adds it as a texture.
+    pub(crate) fn decode(
+        &mut self,
+        picture: &TexturePicture<'_>,
+        outside: &ImportContext<'_>,
+    ) -> Result<Arc<Texture>, SceneError> {
+        let &TexturePicture { ref name, sampler, content, .. } = picture;
+        let ahead = self.ahead.iter().position(|(of, _)| *of == content);
+        let TextureLevels { levels, held } = match ahead {
+            Some(at) => self.ahead.swap_remove(at).1,
+            None => picture.decode(outside)?,
+        };
         outside.keep(held);
         Ok(self.add(name, sampler, content, levels))
     }
@@ -78,7 +131,38 @@ fn padded_texels(level: &Image) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::picture::tests::png;
     use crate::pyramid::color_levels;
+    use basrelief_input::MemoryPool;
+
+    /// Imports a colour texture and a normal map within a memory limit, ahead of their use or not. Returns their texels.
+    fn both(limit: u64, ahead: bool) -> Option<[Vec<Image>; 2]> {
+        let (files, budget) = (MemoryFiles::default(), MemoryPool::new(limit));
+        let outside = ImportContext::new(&files, &budget);
+        let picture = |content, size: u32| {
+            let bytes = png(size, size, |x, y| [x as u8, y as u8, 200, 255]).into();
+            TexturePicture { bytes, _held: outside.nothing(), name: "a".into(), sampler: Sampler::default(), content }
+        };
+        let pictures = || [picture(TextureContent::Color, 64), picture(TextureContent::Normals, 32)];
+        let mut store = TextureStore::default();
+        if ahead {
+            store.decode_ahead(&outside, Some(pictures()));
+            assert!(limit < u64::MAX || store.ahead.len() == 2);
+        }
+        let [color, normals] = pictures().map(|picture| Some(store.decode(&picture, &outside).ok()?.levels.clone()));
+        Some([color?, normals?])
+    }
+
+    #[test]
+    fn pictures_decoded_ahead_give_the_same_textures() {
+        assert_eq!(both(u64::MAX, true).unwrap(), both(u64::MAX, false).unwrap());
+    }
+
+    #[test]
+    fn memory_for_one_picture_at_a_time_is_enough() {
+        let least = (1..4096).map(|kib| kib << 10).find(|limit| both(*limit, false).is_some()).unwrap();
+        assert_eq!(both(least, true), both(least, false));
+    }
 
     #[test]
     fn textures_follow_each_other_in_their_own_memory() {

@@ -9,9 +9,10 @@ use crate::error::ImportWarnings;
 use crate::files::shorten;
 use crate::outside::ImportContext;
 use crate::picture;
-use crate::textures::{TextureContent, TextureStore};
+use crate::textures::{TextureContent, TexturePicture, TextureStore};
 use basrelief_input::MemoryReservation;
 use basrelief_signals::{Lighting, Material, Sampler, TexelFilter, Texture, WrapMode};
+use basrelief_threads::workers;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -75,8 +76,9 @@ impl<'a> MaterialBuilder<'a> {
         let emits = emits_only(def);
         let base_texture = pbr.and_then(|p| p.base_color_texture.as_ref());
         let color_info = if emits { def.emissive_texture.as_ref() } else { base_texture };
-        let color = self.texture(color_info, TextureContent::Color, warnings)?;
         let normal_info = def.normal_texture.as_ref();
+        self.decode_ahead(color_info, normal_info);
+        let color = self.texture(color_info, TextureContent::Color, warnings)?;
         let normal_map = self.texture(normal_info, TextureContent::Normals, warnings)?;
         let factor = pbr.map_or([1.0; 4], |p| p.base_color_factor);
         if factor.iter().any(|c| !(0.0..=1.0).contains(c)) {
@@ -138,10 +140,22 @@ impl<'a> MaterialBuilder<'a> {
         if let Some((.., shared)) = of_picture.into_iter().find(|(s, c, _)| *s == sampler && *c == content) {
             return Ok(Some(shared.clone()));
         }
-        let (bytes, name, _held) = self.image(source)?;
-        let texture = self.store.decode(&bytes, &name, sampler, content, self.outside).map_err(|e| named(e, source))?;
+        let picture = self.picture(source, sampler, content)?;
+        let texture = self.store.decode(&picture, self.outside).map_err(|e| named(e, source))?;
         self.shared.entry(source.index()).or_default().push((sampler, content, texture.clone()));
         Ok(Some(texture))
+    }
+
+    /// Decodes the pictures of a colour texture and of a normal map at the same time, if none of them has a texture yet.
+    fn decode_ahead(&mut self, color: Option<&TextureInfo>, normals: Option<&TextureInfo>) {
+        let picture = |info: Option<&TextureInfo>, content| {
+            let texture = self.document.textures.get(info?.index.index())?;
+            let source = texture.source.filter(|source| !self.shared.contains_key(&source.index()))?;
+            self.picture(source, self.sampler(texture.sampler).ok()?, content).ok()
+        };
+        let both = || Some([picture(color, TextureContent::Color)?, picture(normals, TextureContent::Normals)?]);
+        let pictures = if workers() > 1 { both() } else { None };
+        self.store.decode_ahead(self.outside, pictures);
     }
 
     fn sampler(&self, index: Option<GltfInteger>) -> Result<Sampler, SceneError> {
@@ -164,6 +178,12 @@ impl<'a> MaterialBuilder<'a> {
             }
         };
         Ok(Sampler { wrap: [wrap(definition.wrap_s, "wrapS")?, wrap(definition.wrap_t, "wrapT")?], filter })
+    }
+
+    /// Returns a picture file for this use.
+    fn picture(&self, source: GltfInteger, sampler: Sampler, content: TextureContent) -> Result<TexturePicture<'a>, SceneError> {
+        let (bytes, name, held) = self.image(source)?;
+        Ok(TexturePicture { bytes, _held: held, name, sampler, content })
     }
 
     /// Returns the bytes and the name of a picture file, with their reservation.
@@ -193,9 +213,8 @@ impl<'a> MaterialBuilder<'a> {
     pub(crate) fn check_pictures(&mut self) -> Result<(), SceneError> {
         for i in 0..self.document.images.len() {
             let index = GltfInteger(i as u64);
-            let (bytes, name, _held) = self.image(index)?;
-            let (sampler, outside) = (Sampler::default(), self.outside);
-            self.store.decode(&bytes, &name, sampler, TextureContent::Color, outside).map_err(|e| named(e, index))?;
+            let picture = self.picture(index, Sampler::default(), TextureContent::Color)?;
+            self.store.decode(&picture, self.outside).map_err(|e| named(e, index))?;
         }
         Ok(())
     }

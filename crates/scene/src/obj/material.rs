@@ -6,8 +6,9 @@ use super::text::{escaped, shown, words};
 use crate::SceneError;
 use crate::error::ImportWarnings;
 use crate::outside::ImportContext;
-use crate::textures::{TextureContent, TextureStore};
+use crate::textures::{TextureContent, TexturePicture, TextureStore};
 use basrelief_signals::{Lighting, Material, Sampler, TexelFilter, Texture, WrapMode};
+use basrelief_threads::workers;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -102,11 +103,12 @@ impl<'a> MaterialBuilder<'a> {
         let emits = definition.diffuse == [0.0; 3] && definition.emission != [0.0; 3];
         warn_of_omissions(definition, emits, warnings);
         let color = if emits { &definition.emission_map } else { &definition.color }.as_deref();
-        let color_texture = self.texture(color, TextureContent::Color, warnings)?;
         let (relief, content) = match (&definition.normal, &definition.bump) {
             (Some(normal), _) => (Some(&**normal), TextureContent::Normals),
             (None, bump) => (bump.as_deref(), TextureContent::Heights(BUMP_HEIGHT * bump.as_ref().map_or(1.0, |m| m.height))),
         };
+        self.decode_ahead([(color, TextureContent::Color), (relief, content)]);
+        let color_texture = self.texture(color, TextureContent::Color, warnings)?;
         let normal_map = self.texture(relief, content, warnings)?;
         let gain = color.map_or(1.0, |map| gain(map, warnings));
         let [r, g, b] = if emits { definition.emission } else { definition.diffuse }.map(|c| c * gain);
@@ -129,10 +131,8 @@ impl<'a> MaterialBuilder<'a> {
         if let Some(texture) = self.shared.get(&key) {
             return Ok(texture.clone());
         }
-        let wrap = if map.clamp { WrapMode::Clamp } else { WrapMode::Repeat };
-        let sampler = Sampler { wrap: [wrap; 2], filter: TexelFilter::Bilinear };
-        let texture = match self.outside.read(&map.file, "MTL") {
-            Ok((bytes, _held)) => Some(self.store.decode(&bytes, &map.file, sampler, content, self.outside)?),
+        let texture = match self.picture(map, content) {
+            Ok(picture) => Some(self.store.decode(&picture, self.outside)?),
             Err(e) if e.over_budget => return Err(e),
             Err(e) => {
                 warnings.add(format!("{e}; drawn without it"));
@@ -143,6 +143,26 @@ impl<'a> MaterialBuilder<'a> {
         self.outside.hold(256 + map.file.len() as u64, "MTL", "names of pictures")?;
         self.shared.insert(key, texture.clone());
         Ok(texture)
+    }
+
+    /// Returns the picture file of a map for this use.
+    fn picture(&self, map: &TextureMap, content: TextureContent) -> Result<TexturePicture<'static>, SceneError> {
+        let wrap = if map.clamp { WrapMode::Clamp } else { WrapMode::Repeat };
+        let sampler = Sampler { wrap: [wrap; 2], filter: TexelFilter::Bilinear };
+        let (bytes, held) = self.outside.read(&map.file, "MTL")?;
+        Ok(TexturePicture { bytes: bytes.into(), _held: held, name: map.file.clone(), sampler, content })
+    }
+
+    /// Decodes the pictures of two maps at the same time, if neither has a texture yet.
+    fn decode_ahead(&mut self, maps: [(Option<&TextureMap>, TextureContent); 2]) {
+        let picture = |(map, content): (Option<&TextureMap>, TextureContent)| {
+            let map = map.filter(|map| !self.shared.contains_key(&texture_key(map, content)))?;
+            self.picture(map, content).ok()
+        };
+        let [color, relief] = maps;
+        let both = || Some([picture(color)?, picture(relief)?]);
+        let pictures = if workers() > 1 { both() } else { None };
+        self.store.decode_ahead(self.outside, pictures);
     }
 }
 
