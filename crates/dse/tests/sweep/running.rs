@@ -144,7 +144,7 @@ fn deadlocked_point_stays_off_the_front() {
     let table = fs::read_to_string(folder.path().join("sweep.csv")).unwrap();
     let row = format!("{},failed,deadlock: nothing can start: a waits for b,,,", plan.points[3].id);
     assert!(table.lines().nth(4).unwrap().starts_with(&row), "{table:.2000}");
-    assert!(fs::read_to_string(folder.path().join("front.txt")).unwrap().contains("of 11 points are Pareto-optimal"));
+    assert!(fs::read_to_string(folder.path().join("front.txt")).unwrap().contains("of 11 points is Pareto-optimal"));
     let points: Vec<_> = plan.points.iter().collect();
     let work = SweepJob { points: &points, retry_failed: true, pictures: true, threads: 2 };
     assert_eq!(execute(&plan, &work, &store, &host).unwrap().run, 1);
@@ -273,7 +273,7 @@ fn columns_are_objectives_axes_figures_with_units() {
     assert!(table.starts_with(head), "{table:.600}");
     assert_eq!(table.lines().count(), 13);
     let front = fs::read_to_string(folder.path().join("front.txt")).unwrap();
-    assert!(front.contains("of 12 points are Pareto-optimal\ncycles.frames [cycles] min  hardware.bits [bits] min  "), "{front}");
+    assert!(front.contains("of 12 points is Pareto-optimal\ncycles.frames [cycles] min  hardware.bits [bits] min  "), "{front}");
 }
 
 #[test]
