@@ -1,11 +1,13 @@
 //! Commands that define textures and materials.
 
-use super::MAX_SIDE;
 use super::fields::fields;
 use crate::data::{Digest, Texels};
 use basrelief_signals::{Lighting, Sampler};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+/// Maximum number of texels or pixels per side.
+pub const MAX_SIDE: u32 = 16_384;
 
 /// Use of a texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

@@ -4,7 +4,7 @@ mod definition;
 mod expectation;
 mod fields;
 
-pub use definition::{MaterialDefinition, TextureDefinition, TextureKind};
+pub use definition::{MAX_SIDE, MaterialDefinition, TextureDefinition, TextureKind};
 pub use expectation::{ExpectedResults, ExpectedTraffic, MAX_EXPECTATIONS};
 
 use basrelief_signals::{Camera, Light, LightKind, MeshInfo, ShadingMode, ShadingSettings};
@@ -16,8 +16,6 @@ use serde::{Deserialize, Serialize};
 pub const FORMAT: &str = "basrelief-display-list";
 /// Version of the format that this crate reads and writes.
 pub const VERSION: u32 = 1;
-/// Maximum number of texels or pixels per side.
-pub const MAX_SIDE: u32 = 16_384;
 /// Maximum number of vertices of a polygon.
 pub const MAX_VERTICES: usize = 64;
 
