@@ -69,8 +69,8 @@ fn summary(sweep: &SweepView<'_>) -> String {
     };
     match sweep.ties(None) {
         0 => says,
-        1 => says + " One more point is equal in every objective.",
-        ties => says + &format!(" {} more points are equal to one of these in every objective.", thousands(ties as u64)),
+        1 => says + " One more point equals a Pareto-optimal point in every objective.",
+        ties => says + &format!(" {} more points equal a Pareto-optimal point in every objective.", thousands(ties as u64)),
     }
 }
 

@@ -128,10 +128,12 @@ fn ties_of_front_are_counted_and_named() {
     let twin = Row { id: "twin".into(), ..table.rows[best].clone() };
     table.rows.push(twin);
     let page = shown(&table);
-    assert!(page.contains(" One more point is equal in every objective.") && page.contains(">ties</th>"));
+    assert!(page.contains(" One more point equals a Pareto-optimal point in every objective.") && page.contains(">ties</th>"));
     let rows = data_of(&page)["rows"].clone();
     let ranks: Vec<_> = rows.as_array().unwrap().iter().filter(|row| row["tie"] == true).map(|row| &row["id"]).collect();
     assert_eq!(ranks, ["twin"]);
+    table.rows.push(Row { id: "third".into(), ..table.rows[best].clone() });
+    assert!(shown(&table).contains(" 2 more points equal a Pareto-optimal point in every objective."));
 }
 
 #[test]

@@ -132,7 +132,13 @@ impl Plan {
         let exclusions = (0..).zip(&written.exclude).map(exclusion).collect::<Result<Vec<_>, _>>()?;
         let places = points::axis_values(&plan.axes, &exclusions, written.samples.as_ref(), names.len())?;
         let views = views(&written.view, &written.views);
-        plan.inputs = names.iter().map(|name| plan.open(name, &views, host)).collect::<Result<_, _>>()?;
+        // A wrong option of a view may stand in `view` or in any of `views`. So its error has no line if there are `views`.
+        let fault = |error: String| match error.starts_with("view:") && !written.views.is_empty() {
+            true => PlanFault::new("", error),
+            false => error.into(),
+        };
+        let inputs = names.iter().map(|name| plan.open(name, &views, host).map_err(fault));
+        plan.inputs = inputs.collect::<Result<_, _>>()?;
         plan.points = points::points(&plan, &places);
         Ok(plan)
     }

@@ -74,6 +74,13 @@ fn plan_errors_precede_the_first_run() {
 }
 
 #[test]
+fn wrong_option_among_several_views_has_no_line() {
+    let wrong = |rest: &str| error(&format!("{HEAD}{rest}"));
+    assert_eq!(wrong("[view]\nsise = 1\n"), "line 4: view: no option is called `sise`");
+    assert_eq!(wrong("[view]\nframes = 1\n[[views]]\nsise = 1\n"), "view: no option is called `sise`");
+}
+
+#[test]
 fn plan_errors_name_line_and_key() {
     let zip = "[[zip]]\nreplacement.lanes = [1]\n[[zip]]\n";
     let exclude = "[axes]\nreplacement.lanes = [1]\n[[exclude]]\nreplacement.lanes = 1\n[[exclude]]\n";

@@ -34,7 +34,9 @@ impl SweepHost for Program {
             return Ok(OpenedInput::Trace);
         }
         let Some(name) = name.strip_prefix("demo:") else { return Err(format!("input: {name}: cannot be read")) };
-        assert!(view.iter().all(|(name, _)| ["frames", "turn"].contains(&name.as_str())), "options that this program knows");
+        if let Some((name, _)) = view.iter().find(|(name, _)| !["frames", "turn"].contains(&name.as_str())) {
+            return Err(format!("view: no option is called `{name}`"));
+        }
         let value = |option: &str| view.iter().find(|(name, _)| name == option).map(|(_, value)| value.as_str());
         let frames = value("frames").map(|frames| frames.parse().unwrap());
         let turn = value("turn").and_then(|turn| turn.split_once(',')).map(|(x, y)| [x, y].map(|angle| angle.parse().unwrap()));
