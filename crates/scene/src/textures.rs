@@ -37,22 +37,25 @@ pub(crate) struct TexturePicture<'a> {
 
 /// A decoded picture with its levels, without a number and a place in memory.
 #[derive(Debug)]
-struct TextureLevels {
+struct DecodedTexture {
+    name: String,
+    sampler: Sampler,
+    content: TextureContent,
     levels: Vec<Image>,
     held: MemoryReservation,
 }
 
 impl TexturePicture<'_> {
     /// Decodes the picture and makes its levels.
-    fn decode(&self, outside: &ImportContext<'_>) -> Result<TextureLevels, SceneError> {
-        let Self { bytes, name, sampler, content, .. } = self;
+    fn decode(&self, outside: &ImportContext<'_>) -> Result<DecodedTexture, SceneError> {
+        let &Self { ref bytes, ref name, sampler, content, .. } = self;
         let (image, mut held) = decode(bytes, name, outside)?;
         // The levels take as much again where the picture is a single row, a third of it elsewhere; heights have 8 bytes each.
         let finest = held.bytes();
         let beside = if let TextureContent::Heights(_) = content { 4 * finest } else { finest };
         let what = format!("levels of {name}, a picture of {} x {}", image.width, image.height);
         held.join(outside.take(beside + TEXTURE + name.len() as u64, "", what).map_err(|e| e.in_file(name))?);
-        let levels = match *content {
+        let levels = match content {
             TextureContent::Color => color_levels(image),
             TextureContent::Normals => normal_levels(image),
             TextureContent::Heights(strength) => {
@@ -62,7 +65,7 @@ impl TexturePicture<'_> {
             }
         };
         held.shrink_to(TEXTURE + name.len() as u64 + levels.iter().map(|l| size_of_val(&*l.texels) as u64).sum::<u64>());
-        Ok(TextureLevels { levels, held })
+        Ok(DecodedTexture { name: name.clone(), sampler, content, levels, held })
     }
 }
 
@@ -73,12 +76,12 @@ pub(crate) struct TextureStore {
     color_end: u64,
     normal_end: u64,
     /// Pictures of one material that are decoded ahead.
-    ahead: Vec<(TextureContent, TextureLevels)>,
+    ahead: Vec<DecodedTexture>,
 }
 
 impl TextureStore {
-    /// Decodes two pictures of a material at the same time, for the next calls of [`TextureStore::decode`]. They have different contents, and
-    /// neither has a texture yet.
+    /// Decodes two pictures of a material at the same time, for [`TextureStore::add_ahead`]. They have different contents, and neither has a
+    /// texture yet.
     ///
     /// Does nothing if a picture is missing or cannot be decoded, for example because both do not fit in memory together. Decoded one after
     /// the other, they give the same textures and errors.
@@ -87,29 +90,33 @@ impl TextureStore {
         let Some([first, second]) = &pictures else { return };
         // Files of the model are not shared with other threads.
         let budget = outside.budget();
-        let decoded = |picture: &TexturePicture<'_>| {
-            let levels = picture.decode(&ImportContext::new(&MemoryFiles::default(), budget)).ok()?;
-            Some((picture.content, levels))
-        };
+        let decoded = |picture: &TexturePicture<'_>| picture.decode(&ImportContext::new(&MemoryFiles::default(), budget)).ok();
         if let (Some(first), Some(second)) = join(|| decoded(first), || decoded(second)) {
             self.ahead.extend([first, second]);
         }
     }
 
-    /// Decodes a picture file, unless it is [decoded ahead](Self::decode_ahead), and adds it as a texture.
+    /// Adds the picture with this content that is [decoded ahead](Self::decode_ahead) as a texture; `None` if there is none.
+    pub(crate) fn add_ahead(&mut self, content: TextureContent, outside: &ImportContext<'_>) -> Option<Arc<Texture>> {
+        let at = self.ahead.iter().position(|decoded| decoded.content == content)?;
+        let decoded = self.ahead.swap_remove(at);
+        Some(self.add_decoded(decoded, outside))
+    }
+
+    /// Decodes a picture file and adds it as a texture.
     pub(crate) fn decode(
         &mut self,
         picture: &TexturePicture<'_>,
         outside: &ImportContext<'_>,
     ) -> Result<Arc<Texture>, SceneError> {
-        let &TexturePicture { ref name, sampler, content, .. } = picture;
-        let ahead = self.ahead.iter().position(|(of, _)| *of == content);
-        let TextureLevels { levels, held } = match ahead {
-            Some(at) => self.ahead.swap_remove(at).1,
-            None => picture.decode(outside)?,
-        };
+        let decoded = picture.decode(outside)?;
+        Ok(self.add_decoded(decoded, outside))
+    }
+
+    fn add_decoded(&mut self, decoded: DecodedTexture, outside: &ImportContext<'_>) -> Arc<Texture> {
+        let DecodedTexture { name, sampler, content, levels, held } = decoded;
         outside.keep(held);
-        Ok(self.add(name, sampler, content, levels))
+        self.add(&name, sampler, content, levels)
     }
 
     /// Adds a finished pyramid as a texture.
@@ -149,7 +156,10 @@ mod tests {
             store.decode_ahead(&outside, Some(pictures()));
             assert!(limit < u64::MAX || store.ahead.len() == 2);
         }
-        let [color, normals] = pictures().map(|picture| Some(store.decode(&picture, &outside).ok()?.levels.clone()));
+        let mut texture = |picture: TexturePicture<'_>| {
+            store.add_ahead(picture.content, &outside).or_else(|| store.decode(&picture, &outside).ok())
+        };
+        let [color, normals] = pictures().map(|picture| Some(texture(picture)?.levels.clone()));
         Some([color?, normals?])
     }
 

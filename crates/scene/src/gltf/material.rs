@@ -140,8 +140,12 @@ impl<'a> MaterialBuilder<'a> {
         if let Some((.., shared)) = of_picture.into_iter().find(|(s, c, _)| *s == sampler && *c == content) {
             return Ok(Some(shared.clone()));
         }
-        let picture = self.picture(source, sampler, content)?;
-        let texture = self.store.decode(&picture, self.outside).map_err(|e| named(e, source))?;
+        let texture = if let Some(texture) = self.store.add_ahead(content, self.outside) {
+            texture
+        } else {
+            let picture = self.picture(source, sampler, content)?;
+            self.store.decode(&picture, self.outside).map_err(|e| named(e, source))?
+        };
         self.shared.entry(source.index()).or_default().push((sampler, content, texture.clone()));
         Ok(Some(texture))
     }

@@ -131,18 +131,31 @@ impl<'a> MaterialBuilder<'a> {
         if let Some(texture) = self.shared.get(&key) {
             return Ok(texture.clone());
         }
-        let texture = match self.picture(map, content) {
-            Ok(picture) => Some(self.store.decode(&picture, self.outside)?),
-            Err(e) if e.over_budget => return Err(e),
-            Err(e) => {
-                warnings.add(format!("{e}; drawn without it"));
-                None
-            }
+        let texture = match self.store.add_ahead(content, self.outside) {
+            Some(texture) => Some(texture),
+            None => self.decoded(map, content, warnings)?,
         };
         // A key, and its place in the table.
         self.outside.hold(256 + map.file.len() as u64, "MTL", "names of pictures")?;
         self.shared.insert(key, texture.clone());
         Ok(texture)
+    }
+
+    /// Decodes the picture of a map; `None`, with a warning, if it cannot be read.
+    fn decoded(
+        &mut self,
+        map: &TextureMap,
+        content: TextureContent,
+        warnings: &mut ImportWarnings,
+    ) -> Result<Option<Arc<Texture>>, SceneError> {
+        match self.picture(map, content) {
+            Ok(picture) => self.store.decode(&picture, self.outside).map(Some),
+            Err(e) if e.over_budget => Err(e),
+            Err(e) => {
+                warnings.add(format!("{e}; drawn without it"));
+                Ok(None)
+            }
+        }
     }
 
     /// Returns the picture file of a map for this use.
