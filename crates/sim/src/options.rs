@@ -100,11 +100,6 @@ impl Overrides {
         Ok(OverridesLoader { overrides: self, loader: Loader::new(&self.toml)? })
     }
 
-    /// Returns a configuration of type `C` with these overrides, then with `more` settings.
-    pub(crate) fn load<C: Parameters>(&self, more: &[(String, String)]) -> Result<C, ConfigError> {
-        self.loader()?.load(more)
-    }
-
     /// Returns true if the user gave this parameter.
     pub(crate) fn contains(&self, key: &str) -> bool {
         basrelief_parameters::is_given(&self.toml, &self.settings, key)

@@ -14,6 +14,7 @@
 //! The cycles of each result are exact, because it is resimulated as a whole.
 
 use crate::build::build_warning;
+use crate::options::OverridesLoader;
 use crate::recording::{LoadedRecording, RecordingError, config_error, netlist_of_same_work, of_build};
 use basrelief_kernel::{HardwareKind, Netlist, Outcome, RunReport};
 use basrelief_machines::{MachineConfig, MachineSpec, for_machine};
@@ -107,6 +108,10 @@ fn difference(first: &MachineConfig, other: &MachineConfig) -> Option<String> {
 struct SizingSearch<'a, S> {
     spec: &'a S,
     recordings: &'a [LoadedRecording],
+    /// Loads the recorded parameters with more settings.
+    loader: OverridesLoader<'a, S>,
+    /// Netlist of each recorded run.
+    netlists: Vec<Netlist>,
     fifos: Vec<SizedFifo>,
     /// FIFOs that keep their depths, because the work of a unit depends on them.
     kept: Vec<String>,
@@ -115,13 +120,15 @@ struct SizingSearch<'a, S> {
 
 impl<'a, S: MachineSpec> SizingSearch<'a, S> {
     fn new(spec: &'a S, recordings: &'a [LoadedRecording]) -> Result<Self, RecordingError> {
-        let mut sizing = Self { spec, recordings, fifos: vec![], kept: vec![], recorded: vec![] };
-        sizing.recorded = recordings.iter().map(|recording| sizing.resimulated(recording, &[])).collect::<Result<_, _>>()?;
+        let loader = recordings[0].overrides.loader().map_err(config_error)?;
+        let netlists =
+            recordings.iter().map(|recording| netlist_of_same_work(spec, spec, recording.input)).collect::<Result<_, _>>()?;
+        let mut sizing = Self { spec, recordings, loader, netlists, fifos: vec![], kept: vec![], recorded: vec![] };
+        sizing.recorded = (0..recordings.len()).map(|number| sizing.resimulated(number, &[])).collect::<Result<_, _>>()?;
         if let Some(run) = sizing.recorded.iter().find(|run| run.outcome != Outcome::Complete) {
             return Err(RecordingError::Incomplete(format!("{:?}", run.outcome)));
         }
         let values = to_json(spec).unwrap_or_default();
-        let netlist = netlist_of_same_work(spec, spec, recordings[0].input)?;
         let of_report = sizing.recorded[0].fifos.iter();
         let own = of_report.filter(|fifo| values["fifo"].get(&fifo.name).is_some());
         let sized = own.map(|fifo| {
@@ -130,7 +137,7 @@ impl<'a, S: MachineSpec> SizingSearch<'a, S> {
                 name: fifo.name.clone(),
                 depth: fifo.depth as u32,
                 high_water: all.map(|fifo| fifo.high_water() as u32).max().unwrap_or(1).max(1),
-                bits: u64::from(netlist.fifo_bits(&fifo.name)),
+                bits: u64::from(sizing.netlists[0].fifo_bits(&fifo.name)),
             }
         });
         for fifo in sized.collect::<Vec<_>>() {
@@ -142,7 +149,7 @@ impl<'a, S: MachineSpec> SizingSearch<'a, S> {
     /// Returns true if the machine does other work with one slot more. A unit may derive a size from a depth.
     fn changes_work(&self, fifo: &SizedFifo) -> Result<bool, RecordingError> {
         let deeper = vec![(format!("fifo.{}.depth", fifo.name), (fifo.depth + 1).to_string())];
-        let spec: S = self.recordings[0].overrides.load(&deeper).map_err(config_error)?;
+        let spec = self.loader.load(&deeper).map_err(config_error)?;
         match netlist_of_same_work(self.spec, &spec, self.recordings[0].input) {
             Ok(_) => Ok(false),
             Err(RecordingError::OtherWork(_)) => Ok(true),
@@ -167,7 +174,7 @@ impl<'a, S: MachineSpec> SizingSearch<'a, S> {
     }
 
     fn choice(&self, within_percent: Option<f64>, depths: &[u32], least: &[u32]) -> Result<DepthChoice, RecordingError> {
-        let cycles = self.recordings.iter().map(|recording| self.resimulated(recording, depths).map(|run| run.marked_cycles()));
+        let cycles = (0..self.recordings.len()).map(|number| self.resimulated(number, depths).map(|run| run.marked_cycles()));
         let slots = depths.iter().map(|depth| u64::from(*depth)).sum();
         let bits = depths.iter().zip(&self.fifos).map(|(depth, fifo)| u64::from(*depth) * fifo.bits).sum();
         let area_ge = self.areas(depths)?.iter().sum();
@@ -178,7 +185,7 @@ impl<'a, S: MachineSpec> SizingSearch<'a, S> {
 
     /// Returns the area of each FIFO with these depths \[gate equivalents\], as a report states it.
     fn areas(&self, depths: &[u32]) -> Result<Vec<u64>, RecordingError> {
-        let spec: S = self.recordings[0].overrides.load(&self.settings(depths)).map_err(config_error)?;
+        let spec = self.loader.load(&self.settings(depths)).map_err(config_error)?;
         let (hardware, model) = (spec.hardware().map_err(config_error)?, spec.area_model());
         let area = |fifo: &SizedFifo| {
             let pieces = hardware.iter().filter(|piece| piece.kind == HardwareKind::Fifo && piece.place == fifo.name);
@@ -251,24 +258,24 @@ impl<'a, S: MachineSpec> SizingSearch<'a, S> {
 
     /// True if all runs finish within the tolerance.
     fn keeps_cycles(&self, depths: &[u32], percent: f64) -> Result<bool, RecordingError> {
-        let both: Vec<_> = self.recordings.iter().zip(&self.recorded).collect();
-        let kept = threads::par_map(both, |(recording, recorded)| {
+        let all: Vec<_> = self.recorded.iter().enumerate().collect();
+        let kept = threads::par_map(all, |(number, recorded)| {
             let most = recorded.marked_cycles() as f64 * (1.0 + percent / 100.0);
-            let cycles = self.cycles(recording, depths);
+            let cycles = self.cycles(number, depths);
             cycles.map(|cycles| cycles.is_some_and(|cycles| cycles as f64 <= most))
         });
         kept.into_iter().try_fold(true, |all, kept| Ok(all && kept?))
     }
 
-    /// Resimulates a recording with these depths; with the recorded depths if the list is empty.
-    fn resimulated(&self, recording: &LoadedRecording, depths: &[u32]) -> Result<RunReport, RecordingError> {
-        let run = recording.recording.resimulate(self.netlist(recording, depths)?);
-        run.map_err(|error| of_build(&recording.build, error.into()))
+    /// Resimulates recording `number` with these depths; with the recorded depths if the list is empty.
+    fn resimulated(&self, number: usize, depths: &[u32]) -> Result<RunReport, RecordingError> {
+        let LoadedRecording { recording, build, .. } = &self.recordings[number];
+        recording.resimulate(self.netlist(number, depths)?).map_err(|error| of_build(build, error.into()))
     }
 
     /// Returns the render cycles with these depths; `None` if the run does not finish.
-    fn cycles(&self, recording: &LoadedRecording, depths: &[u32]) -> Result<Option<u64>, RecordingError> {
-        Ok(recording.recording.cycles(self.netlist(recording, depths)?)?)
+    fn cycles(&self, number: usize, depths: &[u32]) -> Result<Option<u64>, RecordingError> {
+        Ok(self.recordings[number].recording.cycles(self.netlist(number, depths)?)?)
     }
 
     fn settings(&self, depths: &[u32]) -> Vec<(String, String)> {
@@ -276,12 +283,11 @@ impl<'a, S: MachineSpec> SizingSearch<'a, S> {
         self.fifos.iter().zip(depths).map(set).collect()
     }
 
-    /// Returns the netlist of a recording's machine with these depths.
-    fn netlist(&self, recording: &LoadedRecording, depths: &[u32]) -> Result<Netlist, RecordingError> {
-        let spec: S = recording.overrides.load(&self.settings(depths)).map_err(config_error)?;
-        let netlist = recording.input.shape(&spec).map_err(config_error)?;
-        let recorded = recording.input.shape(self.spec).map_err(config_error)?;
-        recorded.same_work(&netlist).map_err(RecordingError::OtherWork)?;
+    /// Returns the netlist of the machine of recording `number` with these depths.
+    fn netlist(&self, number: usize, depths: &[u32]) -> Result<Netlist, RecordingError> {
+        let spec = self.loader.load(&self.settings(depths)).map_err(config_error)?;
+        let netlist = self.recordings[number].input.shape(&spec).map_err(config_error)?;
+        self.netlists[number].same_work(&netlist).map_err(RecordingError::OtherWork)?;
         Ok(netlist)
     }
 }
