@@ -26,7 +26,7 @@ const places = page => page.$$eval("#points .point:not(.off)", all => all.map(do
 
 // The page first shows a Pareto-optimal point with its picture.
 const page = await opened();
-assert.match(await told(page), /^Pareto-optimal/);
+assert.match(await told(page), /^Point \d+, Pareto-optimal/);
 assert.ok(await page.$eval("#point img", image => image.decode().then(() => image.naturalWidth > 0)));
 
 // Keys move from the first to the last point, and along the Pareto front alone.
@@ -40,7 +40,7 @@ for (let step = 0; step < rows; step++) {
 }
 assert.equal(seen.size, rows, "arrow keys reach every point");
 await page.keyboard.press("ArrowUp");
-assert.match(await told(page), /^Pareto-optimal/);
+assert.match(await told(page), /^Point \d+, Pareto-optimal/);
 
 // The pointer selects the point below it. A click keeps the selection.
 await page.keyboard.press("Escape");
@@ -67,10 +67,12 @@ await page.selectOption("#colour", { index: 0 });
 const numbers = all => all.flatMap(place => place.split(",").map(Number));
 assert.ok(numbers(await places(page)).every((x, at) => Math.abs(x - numbers(before)[at]) < 0.01));
 
-// A button in the table selects its point.
+// A button in the table selects its point. The point has the number of its row, and its row is marked.
 const button = page.locator("#chosen button").first();
 await button.focus();
 assert.equal(await name(page), await button.getAttribute("data-id"));
+assert.match(await told(page), /^Point 1, Pareto-optimal/);
+assert.deepEqual(await page.locator("tr.current button").allTextContents(), ["1"]);
 
 // Without scripts, on a phone, in dark mode.
 const plain = await opened({ javaScriptEnabled: false });

@@ -50,6 +50,10 @@
     off(thread, false);
   }
 
+  // The buttons in the table of the front: each shows the number of its point.
+  const buttons = [...document.querySelectorAll("button[data-id]")];
+  const numberOf = new Map(buttons.map((button) => [button.dataset.id, button.textContent]));
+
   const make = (name, text) => Object.assign(document.createElement(name), { textContent: text });
 
   // Gone where there is no such file.
@@ -62,7 +66,8 @@
   function show(row) {
     current = row;
     const { id, picture, best, tie, default: isDefault, values } = rows[row];
-    const rank = best ? "Pareto-optimal" : tie ? "Equal to a Pareto-optimal point" : "Not Pareto-optimal";
+    const number = numberOf.get(id);
+    const rank = best ? `${number ? `Point ${number}, ` : ""}Pareto-optimal` : tie ? "Equal to a Pareto-optimal point" : "Not Pareto-optimal";
     const point = get("point");
     const here = place(row)?.join();
     const same = rows.filter((_, other) => place(other)?.join() === here).length;
@@ -75,6 +80,7 @@
     names.forEach((name, at) => list.append(make("dt", name), make("dd", values[at])));
     point.append(list);
     point.hidden = false;
+    for (const button of buttons) button.closest("tr").classList.toggle("current", button.dataset.id === id);
     mark();
   }
 
@@ -128,7 +134,7 @@
     }
   });
   const byId = new Map(rows.map(({ id }, row) => [id, row]));
-  for (const button of document.querySelectorAll("button[data-id]")) {
+  for (const button of buttons) {
     const row = byId.get(button.dataset.id);
     for (const kind of ["focus", "pointerenter", "click"]) button.addEventListener(kind, () => row !== undefined && show(row));
   }
