@@ -11,13 +11,15 @@ pub struct RgbPicture {
     pub rgb: Vec<[u8; 3]>,
     /// Pixels that some polygon covered, in the same order as `rgb`.
     pub covered: Vec<bool>,
+    /// Number of covered pixels that show the back of a surface; 0 in pictures that this crate did not draw.
+    pub backs: usize,
 }
 
 impl RgbPicture {
     /// Creates a picture of background only.
     pub fn new(width: u32, height: u32) -> Self {
         let pixels = width as usize * height as usize;
-        Self { width, height, rgb: vec![[0; 3]; pixels], covered: vec![false; pixels] }
+        Self { width, height, rgb: vec![[0; 3]; pixels], covered: vec![false; pixels], backs: 0 }
     }
 
     /// Returns RGBA, 8 bits each, rows from the top. Covered pixels have alpha 255, and the background is 0, 0, 0, 0.

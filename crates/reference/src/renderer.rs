@@ -20,6 +20,8 @@ pub(crate) struct BatchRenderer {
     picture: RgbPicture,
     depth: Vec<f64>,
     visible: Vec<u32>,
+    /// Pixels that show the back of a surface.
+    backs: Vec<bool>,
     surfaces: Vec<LitSurface>,
     pending: Vec<PendingPixel>,
 }
@@ -35,7 +37,8 @@ impl BatchRenderer {
     pub fn new(width: u32, height: u32) -> Self {
         let picture = RgbPicture::new(width, height);
         let pixels = picture.rgb.len();
-        Self { picture, depth: vec![1.0; pixels], visible: vec![NOTHING; pixels], surfaces: Vec::new(), pending: Vec::new() }
+        let (surfaces, pending) = Default::default();
+        Self { picture, depth: vec![1.0; pixels], visible: vec![NOTHING; pixels], backs: vec![false; pixels], surfaces, pending }
     }
 
     /// Sets the surface of the following triangles.
@@ -77,6 +80,7 @@ impl BatchRenderer {
     /// Returns the picture, and the depth of its pixels.
     pub fn finish_with_depth(mut self) -> (RgbPicture, Vec<f64>) {
         self.resolve(self.rows_per_band());
+        self.picture.backs = self.backs.iter().filter(|is_back| **is_back).count();
         (self.picture, self.depth)
     }
 
@@ -94,10 +98,11 @@ impl BatchRenderer {
             .chunks_mut(chunk)
             .zip(self.picture.covered.chunks_mut(chunk))
             .zip(self.depth.chunks_mut(chunk).zip(self.visible.chunks_mut(chunk)))
+            .zip(self.backs.chunks_mut(chunk))
             .enumerate()
-            .map(|(i, ((rgb, covered), (depth, visible)))| {
+            .map(|(i, (((rgb, covered), (depth, visible)), backs))| {
                 let height = rgb.len() / width.max(1);
-                RowBand { width, rows: i * rows..i * rows + height, rgb, covered, depth, visible }
+                RowBand { width, rows: i * rows..i * rows + height, rgb, covered, depth, visible, backs }
             });
         let (pending, surfaces) = (&self.pending, &self.surfaces);
         threads::par_map(bands.collect(), |mut band| band.draw(pending, surfaces));
@@ -114,6 +119,7 @@ struct RowBand<'a> {
     covered: &'a mut [bool],
     depth: &'a mut [f64],
     visible: &'a mut [u32],
+    backs: &'a mut [bool],
 }
 
 impl RowBand<'_> {
@@ -149,6 +155,7 @@ impl RowBand<'_> {
             let point = entry.triangle.point(column, row, entry.back);
             self.rgb[at] = surfaces[entry.surface].shade(&point);
             self.covered[at] = true;
+            self.backs[at] = entry.back;
         }
     }
 }
@@ -181,5 +188,26 @@ mod tests {
         });
         assert!(pictures[0].covered.iter().filter(|&&c| c).count() > 1000);
         assert!(pictures.iter().all(|picture| *picture == pictures[0]));
+    }
+
+    #[test]
+    fn hidden_backs_are_not_counted() {
+        let frame = Frame { width: 64, height: 48, ..Frame::default() };
+        let mut renderer = BatchRenderer::new(64, 48);
+        renderer.surface(LitSurface::new(
+            RenderStyle::default(),
+            &frame,
+            &Material::default(),
+            [0.0; 3],
+            &mut PyramidCache::default(),
+        ));
+        let triangle = |depth| [corner(3.0, 2.0, depth), corner(60.0, 20.0, depth), corner(20.0, 45.0, depth)];
+        renderer.triangle(triangle(0.5), false, false);
+        renderer.resolve(48);
+        let picture = renderer.clone().finish();
+        assert_eq!(picture.backs, picture.covered.iter().filter(|covered| **covered).count());
+        let [a, b, c] = triangle(0.1);
+        renderer.triangle([a, c, b], false, false);
+        assert_eq!(renderer.finish().backs, 0);
     }
 }

@@ -1,6 +1,7 @@
 //! A run in progress: drives the engine, collects the finished frames, and assembles the report.
 
 mod frames;
+mod picture_checks;
 
 use super::compared_frame::ComparedFrame;
 use super::concurrent::{may_run_concurrently, run_concurrent};
@@ -23,6 +24,7 @@ use basrelief_report::model::{Difference, Input, Picture as PictureFile, Picture
 use basrelief_signals::{Camera, Frame};
 use basrelief_threads::{self as threads, Deferred};
 use basrelief_trace::ExpectedResults;
+use picture_checks::PictureChecks;
 use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -69,6 +71,7 @@ pub(crate) struct ActiveRun<'a> {
     images: Vec<String>,
     quality: Vec<QualityMetrics>,
     difference: Option<Difference>,
+    checks: PictureChecks,
     /// Maximum number of frames in comparison while the next frame is drawn.
     pub(crate) max_comparing: usize,
     /// Pictures that a better picture of the same frame follows.
@@ -107,6 +110,7 @@ impl<'a> ActiveRun<'a> {
             images: vec![],
             quality: vec![],
             difference: None,
+            checks: PictureChecks::default(),
             max_comparing: 1,
             rounds: vec![],
             shown: vec![],
@@ -307,8 +311,10 @@ impl<'a> ActiveRun<'a> {
     /// Assembles the report, and ends the recording.
     pub(crate) fn finish<S: SimulatedMachine>(mut self, spec: &S, info: InputInfo<'_>, result: EngineResult) -> RunResult {
         let records = self.needs_steps();
-        let untimed = self.untimed_result(&info);
         let EngineResult { facts, report: run, bottlenecks } = result;
+        let mut untimed = self.untimed_result(&info);
+        let of_scene = matches!(self.exact, ExactSource::Scene(_));
+        untimed.warnings.extend(self.checks.warnings(&facts, spec.exact_style(), of_scene));
         let complete = run.as_ref().filter(|run| run.outcome == Outcome::Complete);
         let mut recording_is_complete = false;
         if complete.is_some() && records {

@@ -95,6 +95,7 @@ impl ActiveRun<'_> {
     fn pass_on(&mut self, compared: Deferred<Result<ComparedFrame, SizeMismatch>>) -> Result<(), String> {
         let ComparedFrame { index, machine, digest, exact } = compared.get().map_err(|e| e.to_string())?;
         self.images.push(digest);
+        self.checks.add(index, &machine, exact.as_ref().map(|(exact, ..)| &**exact));
         if let Some((_, quality, difference)) = exact {
             self.quality.push(quality);
             self.difference = Some(difference);
@@ -122,5 +123,5 @@ impl ActiveRun<'_> {
 
 /// Converts a finished frame to a picture.
 fn picture(frame: FinishedFrame) -> RgbPicture {
-    RgbPicture { width: frame.width, height: frame.height, rgb: frame.rgb, covered: frame.covered }
+    RgbPicture { width: frame.width, height: frame.height, rgb: frame.rgb, covered: frame.covered, backs: 0 }
 }
