@@ -74,7 +74,8 @@ impl SceneSubject {
         let outside = ImportContext::new(files, budget);
         let model = import(bytes, name, &outside, &mut warnings).map_err(|e| e.in_file(name))?;
         let hints = ViewHints { shading: model.shading, ..ViewHints::still(model.bounds, model.camera, model.lamps) };
-        let subject = Self { name: name.into(), objects: model.objects, hints, warnings: warnings.into_vec() };
+        let (objects, camera_ratio) = (model.objects, model.camera_ratio);
+        let subject = Self { name: name.into(), objects, hints, camera_ratio, warnings: warnings.into_vec() };
         Ok((subject, outside.into_kept()))
     }
 

@@ -14,6 +14,8 @@ pub(crate) struct ImportedModel {
     pub bounds: WorldBounds,
     /// The file's camera.
     pub camera: Option<Viewpoint>,
+    /// Width of that camera's view in heights, if the file states it.
+    pub camera_ratio: Option<f64>,
     /// The file's lights.
     pub lamps: Vec<(LightSource, f64)>,
     /// How the figure shading device shades its frames.

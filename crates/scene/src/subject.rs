@@ -13,6 +13,8 @@ pub struct SceneSubject {
     pub(crate) name: String,
     pub(crate) objects: Vec<Arc<Object>>,
     pub(crate) hints: ViewHints,
+    /// Width of the view of the model's camera in heights, if the model states it.
+    pub(crate) camera_ratio: Option<f64>,
     pub(crate) warnings: Vec<String>,
 }
 
@@ -22,9 +24,22 @@ impl SceneSubject {
     /// # Errors
     /// Options out of range.
     pub fn seen(&self, options: &ViewOptions) -> Result<Scene, SceneError> {
-        let Self { name, objects, hints, warnings } = self;
-        let (name, objects, warnings) = (name.clone(), objects.clone(), warnings.clone());
+        let Self { name, objects, hints, warnings, .. } = self;
+        let (name, objects, mut warnings) = (name.clone(), objects.clone(), warnings.clone());
+        warnings.extend(self.cut_sides(options));
         Ok(Scene { name, objects, frames: hints.frames(options)?, warnings })
+    }
+
+    /// Warns if the view of the model's camera is wider than the image, by more than a pixel at either side.
+    fn cut_sides(&self, options: &ViewOptions) -> Option<String> {
+        let [width, height] = options.size.map(f64::from);
+        let whole = self.camera_ratio.filter(|_| options.camera.is_none())? * height;
+        (whole > width + 2.0).then(|| {
+            format!(
+                "the view of the model's camera is {:.2} times as wide as the image, which cuts its sides off; choose a wider image",
+                whole / width
+            )
+        })
     }
 
     /// Like [`seen`](Self::seen), with a memory limit: the scene, and the reservation of its frames.

@@ -160,7 +160,7 @@ fn subject(name: &str) -> Result<SceneSubject, SceneError> {
         light_orbit: stage.light_orbit,
         shading: ShadingSettings::default(),
     };
-    Ok(SceneSubject { name: name.into(), objects: stage.objects, hints, warnings: Vec::new() })
+    Ok(SceneSubject { name: name.into(), objects: stage.objects, hints, camera_ratio: None, warnings: Vec::new() })
 }
 
 #[cfg(test)]

@@ -106,6 +106,7 @@ pub(crate) struct LightDef {
     pub color: [f64; 3],
     #[serde(default = "one")]
     pub intensity: f64,
+    pub range: Option<f64>,
 }
 
 fn white() -> [f64; 3] {
@@ -356,7 +357,9 @@ pub(crate) struct CameraDef {
 }
 
 #[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "camelCase")]
 pub(crate) struct PerspectiveCamera {
+    pub aspect_ratio: Option<f64>,
     pub yfov: f64,
     pub znear: f64,
     pub zfar: Option<f64>,

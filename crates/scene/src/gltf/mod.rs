@@ -103,7 +103,8 @@ fn import(
         .scenes
         .get(document.scene.map_or(0, |scene| scene.index()))
         .map_or_else(ShadingSettings::default, |s| s.extras.shading);
-    Ok(ImportedModel { objects, bounds, camera, lamps, shading })
+    let (camera, camera_ratio) = camera.unzip();
+    Ok(ImportedModel { objects, bounds, camera, camera_ratio: camera_ratio.flatten(), lamps, shading })
 }
 
 fn nothing_to_draw(document: &GltfDocument) -> SceneError {

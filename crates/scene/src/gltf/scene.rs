@@ -8,12 +8,12 @@ use crate::error::ImportWarnings;
 use crate::view::LightSource;
 use glam::{DMat4, DVec3};
 
-/// The camera of the first node that has one.
+/// The camera of the first node that has one, and its ratio of width to height if it states one.
 pub(crate) fn camera(
     document: &GltfDocument,
     nodes: &[PlacedNode],
     warnings: &mut ImportWarnings,
-) -> Result<Option<Viewpoint>, SceneError> {
+) -> Result<Option<(Viewpoint, Option<f64>)>, SceneError> {
     for (i, definition) in document.cameras.iter().enumerate() {
         lens(definition, i)?;
     }
@@ -27,7 +27,14 @@ pub(crate) fn camera(
     if viewpoint.is_none() {
         warnings.add(format!("the transform of /nodes/{} flattens its camera: not used", node.index));
     }
-    Ok(viewpoint)
+    Ok(viewpoint.map(|viewpoint| (viewpoint, ratio(definition))))
+}
+
+/// Ratio of width to height that a camera states.
+fn ratio(CameraDef { perspective, orthographic, .. }: &CameraDef) -> Option<f64> {
+    let of_perspective = perspective.and_then(|camera| camera.aspect_ratio);
+    let ratio = of_perspective.or(orthographic.map(|camera| (camera.xmag / camera.ymag).abs()));
+    ratio.filter(|ratio| *ratio > 0.0 && ratio.is_finite())
 }
 
 fn lens(camera: &CameraDef, i: usize) -> Result<Projection, SceneError> {
@@ -71,15 +78,19 @@ pub(crate) fn lamps(
     for (i, definition) in definitions.iter().enumerate() {
         check_light(definition, i)?;
     }
-    let mut lamps = Vec::new();
+    let (mut lamps, mut placed) = (Vec::new(), 0);
     for node in nodes {
         let reference = document.nodes.get(node.index).and_then(|n| n.extensions.as_ref()?.light.as_ref());
         let Some(definition) = reference.and_then(|r| definitions.get(r.light.index())) else { continue };
+        placed += 1;
         let lamp = lamp(definition, node, warnings)?;
         let illuminance = luminance(definition, warnings) * falloff(lamp, centre);
         if illuminance > 0.0 {
             lamps.push((lamp, illuminance));
         }
+    }
+    if placed > 0 && lamps.is_empty() {
+        warnings.add("all lights of the file are dark: the default light is used");
     }
     let strongest = lamps.iter().map(|(_, i)| *i).fold(0.0, f64::max);
     if lamps.iter().any(|(_, i)| *i != 1.0) {
@@ -104,6 +115,9 @@ fn lamp(light: &LightDef, node: &PlacedNode, warnings: &mut ImportWarnings) -> R
     if light.kind == "directional" {
         // It shines along -z.
         return Ok(LightSource::Directional(z_axis.truncate().normalize_or(DVec3::Z)));
+    }
+    if light.range.is_some() {
+        warnings.add("`range` of lights is not used: they reach everywhere");
     }
     if light.kind == "spot" {
         warnings.add(format!("the spot light of /nodes/{} is drawn as a point light", node.index));

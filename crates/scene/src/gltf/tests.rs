@@ -146,6 +146,24 @@ fn camera_and_light_of_file_are_used() {
 }
 
 #[test]
+fn dark_lights_and_cut_sides_are_warnings() {
+    let warns = |document: &Value, of: &str| import(document).unwrap().warnings.iter().any(|warning| warning.contains(of));
+    let light = |field: &str, value| with(square(), &format!("/extensions/KHR_lights_punctual/lights/0/{field}"), value);
+    let dark = "all lights of the file are dark: the default light is used";
+    assert!(!warns(&square(), dark) && warns(&light("intensity", json!(0)), dark));
+    assert!(warns(&light("color", json!([0, 0, 0])), dark));
+    let lights = with(square(), "/extensions/KHR_lights_punctual/lights", json!([{"type": "point", "range": 3}]));
+    assert!(warns(&lights, "`range` of lights is not used"));
+    // The image is 4 to 3.
+    let orthographic =
+        |xmag, ymag| json!([{"type": "orthographic", "orthographic": {"xmag": xmag, "ymag": ymag, "znear": 0, "zfar": 9}}]);
+    let cut = |xmag, ymag| warns(&with(square(), "/cameras", orthographic(xmag, ymag)), "cuts its sides off");
+    assert!(cut(-4, 2) && !cut(4, 3) && !cut(1, 2));
+    let wide = json!([{"type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1, "aspectRatio": 1.8}}]);
+    assert!(warns(&with(square(), "/cameras", wide), "is 1.35 times as wide as the image"));
+}
+
+#[test]
 fn meshes_and_textures_are_shared() {
     let mut document = with(square(), "/nodes/0/children", json!([1, 2, 3, 4]));
     document["nodes"].as_array_mut().unwrap().push(json!({"mesh": 1}));

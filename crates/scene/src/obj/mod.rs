@@ -58,7 +58,8 @@ pub(crate) fn import(
         surfaces.insert(&group.material, surface.clone());
         objects.push(Arc::new(object(objects.len() as u32, group, surface, &shape, outside, warnings)?));
     }
-    Ok(ImportedModel { bounds: bounds(&objects), objects, camera: None, lamps: Vec::new(), shading: ShadingSettings::default() })
+    let (bounds, shading) = (bounds(&objects), ShadingSettings::default());
+    Ok(ImportedModel { bounds, objects, camera: None, camera_ratio: None, lamps: Vec::new(), shading })
 }
 
 /// The object of a group; its matrix holds the offset of the positions.

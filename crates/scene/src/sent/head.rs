@@ -166,7 +166,7 @@ impl SceneManifest {
         let textures = read("textures", textures, TextureHead::texture)?;
         let materials = read("materials", materials, |material, i| material.material(i, &textures))?;
         let objects = read("objects", objects, |object, i| object.object(i, &meshes, &materials))?;
-        Ok(SceneSubject { name, objects, hints: view.hints()?, warnings })
+        Ok(SceneSubject { name, objects, hints: view.hints()?, camera_ratio: None, warnings })
     }
 }
 
