@@ -44,7 +44,11 @@ fn new_run_removes_pictures_of_an_earlier_run() {
     );
     // The run before had no exact picture, so this file is not of it.
     fs::write(place.path("out/reference-0001.png"), "mine").expect("written");
-    assert_eq!(run("--no-exact"), ["image-0009.png", "image.png", "own.png", "reference-0001.png", "report.json"]);
+    let left = ["image-0009.png", "image.png", "own.png", "reference-0001.png", "report.json"];
+    assert_eq!(run("--no-exact"), left);
+    place.ok("run PATCH --size 16x12 --no-bottlenecks --no-exact --costs");
+    assert!(["cost.png", "wait.png", "overdraw.png"].iter().all(|name| place.names("out").contains(&(*name).into())));
+    assert_eq!(run("--no-exact"), left);
 }
 
 /// Publishing hundreds of images takes some milliseconds. The run is killed once the first of them is in its place.

@@ -12,8 +12,9 @@ pub const GUARD_BAND: f32 = (1 << 19) as f32;
 /// Depth is 0..=1. Corners cut at the near or far plane may exceed it by the rounding of z / w, which is large if w is
 /// small. The machine clamps.
 const DEPTH: RangeInclusive<f32> = -1.0..=2.0;
-/// Largest arrival \[cycles\]: every JSON reader holds integers up to 2^53 exactly.
-const MAX_ARRIVAL: u64 = 1 << 53;
+/// Largest arrival \[cycles\]: minutes at any clock. A display reads its buffer while the machine waits, and a run of ten billion cycles of
+/// waiting takes about 8 s.
+const MAX_ARRIVAL: u64 = 100_000_000_000;
 const MAX_OFFSET: u64 = 1 << 40;
 const MAX_LIGHTS: usize = 1024;
 const MAX_ENTRIES: u32 = 65_536;
@@ -101,6 +102,7 @@ fn check_file_name(file: &str) -> Result<(), CommandFault> {
 
 fn check_material(material: &MaterialDefinition) -> Result<(), CommandFault> {
     finite("base_color", &[material.base_color])?;
+    material.base_color.into_iter().try_for_each(|component| within("base_color", component, 0.0..=1.0))?;
     finite("normal_scale", &[[material.normal_scale]])?;
     let lighting = &material.lighting;
     within("lighting.ka", lighting.ka, 0.0..=1.0)?;
@@ -118,6 +120,8 @@ fn check_frame(frame: &FrameBegin) -> Result<(), CommandFault> {
             return Err(CommandFault::new(format!("camera.{field}"), "holds a number that is not finite"));
         }
     }
+    direction("camera.to_light", &camera.to_light)?;
+    direction("camera.to_viewer", &camera.to_viewer)?;
     if !(1..=MAX_LIGHTS).contains(&frame.lights.len()) {
         return Err(CommandFault::new("lights", format!("holds {} lights, expected 1..={MAX_LIGHTS}", frame.lights.len())));
     }
@@ -125,8 +129,22 @@ fn check_frame(frame: &FrameBegin) -> Result<(), CommandFault> {
         let (LightRecord::Directional { to_light: [x, y, z], intensity } | LightRecord::Point { position: [x, y, z], intensity }) =
             *light;
         finite(&format!("lights[{i}]"), &[[x, y, z, intensity]])?;
+        if intensity < 0.0 {
+            return Err(CommandFault::new(format!("lights[{i}].intensity"), format!("is {intensity}, expected 0 or more")));
+        }
+        if let LightRecord::Directional { to_light, .. } = light {
+            direction(&format!("lights[{i}].to_light"), to_light)?;
+        }
     }
     Ok(())
+}
+
+/// Refuses a vector without a direction.
+fn direction<T: PartialEq + Default>(field: &str, vector: &[T; 3]) -> Result<(), CommandFault> {
+    if vector.iter().any(|component| *component != T::default()) {
+        return Ok(());
+    }
+    Err(CommandFault::new(field, "is 0, 0, 0, expected a unit vector"))
 }
 
 fn check_object(object: &ObjectBegin) -> Result<(), CommandFault> {

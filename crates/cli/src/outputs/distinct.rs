@@ -1,7 +1,7 @@
 //! Checks that outputs overwrite neither each other nor inputs.
 
 use crate::inputs_read;
-use basrelief_sim::{MACHINES, aux_outputs};
+use basrelief_sim::{COST_PICTURES, MACHINES, aux_outputs};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
@@ -78,7 +78,7 @@ fn is_its_recording(option: &str, name: &OsStr) -> bool {
 /// Returns true for a file that a run can write into `--out`. A texture may be there under another name.
 fn is_written(name: &OsStr) -> bool {
     let (path, own) = (Path::new(name), PICTURES.map(str::to_owned));
-    let aux = MACHINES.iter().flat_map(aux_outputs).map(|output| output.name.to_owned());
+    let aux = MACHINES.iter().flat_map(aux_outputs).chain(COST_PICTURES).map(|output| output.name.to_owned());
     let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     let is_kind = |kind: String| stem.strip_prefix(&kind).is_some_and(|rest| rest.is_empty() || rest.starts_with('-'));
     OWN.iter().any(|own| name == *own) || path.extension().is_some_and(|e| e == "png") && own.into_iter().chain(aux).any(is_kind)

@@ -87,7 +87,7 @@ pub fn texture(id: u32, normal: bool) -> impl Strategy<Value = Arc<Texture>> {
 
 fn material(id: u32) -> impl Strategy<Value = Arc<Material>> {
     let textures = (proptest::option::of(texture(2 * id, false)), proptest::option::of(texture(2 * id + 1, true)), any::<bool>());
-    (textures, array(), number(), 0.0f32..=1.0, 1.0f32..=1000.0).prop_map(
+    (textures, std::array::from_fn(|_| 0.0f32..=1.0), number(), 0.0f32..=1.0, 1.0f32..=1000.0).prop_map(
         move |((color_texture, normal_map, double_sided), base_color, normal_scale, k, n)| {
             Arc::new(Material {
                 id,
@@ -113,12 +113,13 @@ fn shading() -> impl Strategy<Value = ShadingSettings> {
 type Shape = (Vec<Vertex>, usize, u8, bool, u64);
 
 fn shape() -> impl Strategy<Value = Shape> {
-    (proptest::collection::vec(vertex(), 3..9), 0..3usize, 0..64u8, any::<bool>(), 0..1u64 << 40)
+    (proptest::collection::vec(vertex(), 3..9), 0..3usize, 0..64u8, any::<bool>(), 0..1u64 << 30)
 }
 
 fn frame_data() -> impl Strategy<Value = (Camera, Vec<Light>)> {
-    let real = || any::<f64>().prop_filter("finite", |x| x.is_finite());
-    let light = (any::<bool>(), array(), number()).prop_map(|(point, at, intensity)| {
+    let real = || any::<f64>().prop_filter("finite and not 0", |x| x.is_finite() && *x != 0.0);
+    let light = (any::<bool>(), array(), 0.0..f32::MAX).prop_map(|(point, at, intensity)| {
+        let at = if at == [0.0; 3] { [0.0, 0.0, 1.0] } else { at };
         let kind = if point { LightKind::Point { position: at } } else { LightKind::Directional { to_light: at } };
         Light { kind, intensity }
     });
