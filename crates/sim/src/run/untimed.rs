@@ -8,6 +8,7 @@ use basrelief_report::model::{Hardware, Input, Picture, PictureQuality, Size};
 use basrelief_report::{Report, ReportContext, depth_warnings};
 use basrelief_signals::Camera;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 /// Untimed result of a run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -30,12 +31,14 @@ impl UntimedResult {
         let model = spec.area_model();
         let drawn = drawn_units(S::DIAGRAM).into_iter();
         let hardware: Vec<Hardware> = facts.all_hardware().iter().map(|piece| Hardware::new(piece, &model)).collect();
-        let warnings = spec.warnings(&facts).into_iter().chain(depth_warnings(&hardware, model.cycle_fo4()));
+        let config = to_json(spec).unwrap_or_default();
+        let of_area = depth_warnings(&hardware, model.cycle_fo4()).into_iter().chain(no_area(&config));
+        let warnings = spec.warnings(&facts).into_iter().chain(of_area);
         let context = ReportContext {
             build: BUILD.into(),
             machine: S::NAME.into(),
             input: self.input,
-            config: to_json(spec).unwrap_or_default(),
+            config,
             camera: self.camera,
             size: self.size,
             numerals: drawn.filter_map(|(name, numeral)| Some((name.to_owned(), numeral.parse().ok()?))).collect(),
@@ -50,5 +53,29 @@ impl UntimedResult {
             Some(run) => Report::timed(context, run),
             None => Report::functional(context, &Outcome::Complete),
         }
+    }
+}
+
+/// Warns if parts of the machine are ideal, because no hardware is.
+fn no_area(config: &Value) -> Option<String> {
+    let memories = config["memory"].as_object().into_iter().flatten().filter(|(_, memory)| memory["part"] == "ideal");
+    let units = config["ideal"]["units"].as_str().is_some_and(|units| !units.is_empty());
+    let ideal: Vec<String> =
+        memories.map(|(name, _)| format!("memory.{name}.part")).chain(units.then(|| "ideal.units".into())).collect();
+    (!ideal.is_empty()).then(|| format!("the area has no meaning, because no hardware is ideal: {}", ideal.join(", ")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn ideal_parts_have_no_area() {
+        let config = |part, units| json!({"memory": {"a": {"part": part}, "b": {"part": "sdr-100"}}, "ideal": {"units": units}});
+        assert_eq!(no_area(&config("sdr-100", "")), None);
+        let warning = |of| Some(format!("the area has no meaning, because no hardware is ideal: {of}"));
+        assert_eq!(no_area(&config("ideal", "")), warning("memory.a.part"));
+        assert_eq!(no_area(&config("ideal", "x,y")), warning("memory.a.part, ideal.units"));
     }
 }
