@@ -82,9 +82,9 @@ pub fn unused_normal_maps(facts: &UnitStats) -> Option<String> {
 pub fn slow_fifos(facts: &UnitStats) -> Vec<String> {
     let sentence = |slow: &SlowFifo| {
         let SlowFifo { name, depth, needed, unit_latency, fifo_latency } = slow;
-        let held = slow.slot_cycles();
+        let (held, tokens) = (slow.slot_cycles(), if *depth == 1 { "token" } else { "tokens" });
         format!(
-            "fifo.{name}.depth = {depth} allows {depth} tokens in {held} cycles (unit latency {unit_latency} + FIFO latency {fifo_latency} + 1); full throughput needs a depth of {needed}"
+            "fifo.{name}.depth = {depth} allows {depth} {tokens} in {held} cycles (unit latency {unit_latency} + FIFO latency {fifo_latency} + 1); full throughput needs a depth of {needed}"
         )
     };
     facts.slow_fifos().iter().map(sentence).collect()

@@ -196,6 +196,14 @@ impl<R: Read> TraceReader<R> {
         {
             return fault.at(place, "begin");
         }
+        if self.buffer.trim_ascii().is_empty() {
+            return TraceError::new(
+                place,
+                ErrorKind::Malformed,
+                String::new(),
+                "the line is blank, expected a command: delete it",
+            );
+        }
         let at = match place {
             TracePlace::Line { line, .. } => TracePlace::Line { line, column: Some(fault.column) },
             other => other,

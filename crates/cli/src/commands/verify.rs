@@ -20,9 +20,9 @@ pub fn verify(args: &VerifyArgs, global: &GlobalOptions) -> CommandResult {
     args.paths.iter().try_for_each(|path| traces.add(path))?;
     let traces = traces.found;
     if traces.is_empty() {
-        return Err(CommandError::BadInput(
-            "found no traces; expected .jsonl or .bdl files, or either with .zst appended".into(),
-        ));
+        let places = args.paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ");
+        let expected = "expected .jsonl or .bdl files, or either with .zst appended";
+        return Err(CommandError::BadInput(format!("{places}: found no traces; {expected}")));
     }
     let engines = args.engine.map_or(vec![Engine::Timed, Engine::Ticked], |e| vec![e.into()]);
     let (mut wrong, mut failures) = (0, Vec::new());

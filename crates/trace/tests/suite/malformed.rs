@@ -25,7 +25,7 @@ const CASES: &[(&str, &str, u64, &str, &str)] = &[
     // Text that is not a command.
     (r#"{"texture":{"id":0"#, r#"{"texure":{"id":0"#, 2, "", "unknown command `texure`, expected one of `begin`"),
     (r#"{"object""#, "[1,2", 6, "", "expected"),
-    (r#"{"frame_end":{}}"#, "", 8, "", "the text ends within a value"),
+    (r#"{"frame_end":{}}"#, "", 8, "", "the line is blank, expected a command"),
     (r#"{"frame_end":{}}"#, r#"{"frame_end":{}} x"#, 8, "", "trailing characters"),
     (r#"{"frame_end":{}}"#, r#"{"frame_end":{},"frame_end":{}}"#, 8, "", "expected"),
     (r#"{"frame_end":{}}"#, r#"{"frame_end":{"x":0}}"#, 8, "frame_end", "unknown field `x`"),
