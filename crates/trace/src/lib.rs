@@ -66,7 +66,7 @@ pub use form::{TraceEncoding, TraceForm, looks_like_trace};
 pub use parameter_value::{ParameterValue, ScalarValue};
 pub use reader::{TraceReader, open};
 pub use recorder::TraceRecorder;
-pub use resolver::{NoFiles, TextureFiles, TraceResolver};
+pub use resolver::{NoFiles, PlacedExpectation, TextureFiles, TraceResolver};
 pub use schema::schema;
 pub use writer::{TraceWriter, convert};
 

@@ -49,6 +49,15 @@ impl TextureFiles for NoFiles {
     }
 }
 
+/// An expectation, with its place in the trace.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlacedExpectation {
+    /// Place of the command.
+    pub place: TracePlace,
+    /// The expected results.
+    pub results: ExpectedResults,
+}
+
 /// Checks a trace and turns its commands into control tokens, each with the cycle of its arrival (polygons only).
 ///
 /// Iterate to the end. The trace is checked, and all [expectations](Self::expectations) are there, only then. Textures and
@@ -66,9 +75,7 @@ pub struct TraceResolver<R: Read, F> {
     shading: ShadingSettings,
     /// Importance of the next object.
     bias: Option<u8>,
-    expectations: Vec<ExpectedResults>,
-    /// Place of each expectation.
-    expectation_places: Vec<TracePlace>,
+    expectations: Vec<PlacedExpectation>,
     failed: bool,
     budget: MemoryPool,
     /// Reservation of the kept data.
@@ -100,7 +107,6 @@ impl<R: Read, F: TextureFiles> TraceResolver<R, F> {
             shading: ShadingSettings::default(),
             bias: None,
             expectations: Vec::new(),
-            expectation_places: Vec::new(),
             failed: false,
             budget: budget.clone(),
             held,
@@ -128,18 +134,13 @@ impl<R: Read, F: TextureFiles> TraceResolver<R, F> {
     }
 
     /// Expectations read so far. All are there after the iteration has ended.
-    pub fn expectations(&self) -> &[ExpectedResults] {
+    pub fn expectations(&self) -> &[PlacedExpectation] {
         &self.expectations
     }
 
-    /// Returns the place of each expectation.
-    pub fn expectation_places(&self) -> &[TracePlace] {
-        &self.expectation_places
-    }
-
     /// Returns all expectations with their reservation.
-    pub fn into_expectations(self) -> (Vec<ExpectedResults>, MemoryReservation) {
-        let bytes = self.expectations.iter().map(|expectation| 2 * expectation.bytes()).sum();
+    pub fn into_expectations(self) -> (Vec<PlacedExpectation>, MemoryReservation) {
+        let bytes = self.expectations.iter().map(|expectation| 2 * expectation.results.bytes()).sum();
         let Self { mut held, expectations, .. } = self;
         // Counted when they were read.
         held.shrink_to(bytes);
@@ -178,8 +179,7 @@ impl<R: Read, F: TextureFiles> TraceResolver<R, F> {
                 }
                 // Twice, because the caller receives a copy.
                 self.held.try_grow(2 * expectation.bytes(), "expectations").map_err(CommandFault::over_budget(""))?;
-                self.expectations.push(*expectation);
-                self.expectation_places.push(self.reader.place());
+                self.expectations.push(PlacedExpectation { place: self.reader.place(), results: *expectation });
             }
             _ => {}
         }

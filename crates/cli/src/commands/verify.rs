@@ -9,7 +9,9 @@ use basrelief_input::{MemoryPool, MemoryReservation, open_in_folder};
 use basrelief_kernel::Engine;
 use basrelief_report::Report;
 use basrelief_sim::{MACHINES, MachineInfo, check_expectation, expectation_of, run_quietly};
-use basrelief_trace::{ExpectedResults, TraceCommand, TraceForm, TracePlace, TraceResolver, TraceWriter, open};
+use basrelief_trace::{
+    ExpectedResults, PlacedExpectation, TraceCommand, TraceForm, TracePlace, TraceResolver, TraceWriter, open,
+};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -113,21 +115,17 @@ fn in_trace<E: std::fmt::Display>(path: &Path) -> impl Fn(E) -> CommandError + u
     CommandError::in_input(&path.display().to_string())
 }
 
-/// An expectation and its place in the trace.
-type PlacedExpectation = (TracePlace, ExpectedResults);
-
 /// Reads the expectations of a whole trace. Returns them with their memory.
 fn read_expectations(path: &Path, budget: &MemoryPool) -> CommandResult<(Vec<PlacedExpectation>, MemoryReservation)> {
     let file = TraceFile::open(path)?;
     let mut resolver = TraceResolver::new(file.reader, open_in_folder(&file.folder), budget).map_err(in_trace(path))?;
     resolver.by_ref().try_for_each(|c| c.map(|_| ())).map_err(in_trace(path))?;
-    let places = resolver.expectation_places().to_vec();
-    let (expectations, held) = resolver.into_expectations();
-    Ok((places.into_iter().zip(expectations).collect(), held))
+    Ok(resolver.into_expectations())
 }
 
-/// Replays a trace with the machine and the parameters of an expectation, which stands at `place` in the trace.
-fn replay(path: &Path, (place, expected): &PlacedExpectation, engine: Engine, budget: &MemoryPool) -> CommandResult<Report> {
+/// Replays a trace with the machine and the parameters of an expectation.
+fn replay(path: &Path, expectation: &PlacedExpectation, engine: Engine, budget: &MemoryPool) -> CommandResult<Report> {
+    let PlacedExpectation { place, results: expected } = expectation;
     let settings: Vec<(String, String)> = expected.config.iter().map(|(k, v)| (k.clone(), v.to_string())).collect();
     let borrowed: Vec<(&str, &str)> = settings.iter().map(|(k, v)| (k.as_str(), v.as_str())).collect();
     let in_field = |field: &str, error: String| in_trace(path)(format!("{place}: expect.{field}: {error}"));
@@ -148,7 +146,9 @@ fn check(path: &Path, engines: &[Engine], budget: &MemoryPool) -> CommandResult<
     for expected in &expectations {
         for &engine in engines {
             let report = replay(path, expected, engine, budget)?;
-            wrong.extend(check_expectation(&expected.1, &report).into_iter().map(|w| format!("{engine:?}: {w}").to_lowercase()));
+            wrong.extend(
+                check_expectation(&expected.results, &report).into_iter().map(|w| format!("{engine:?}: {w}").to_lowercase()),
+            );
         }
     }
     Ok(wrong)
@@ -158,12 +158,12 @@ fn check(path: &Path, engines: &[Engine], budget: &MemoryPool) -> CommandResult<
 fn bless(path: &Path, budget: &MemoryPool) -> CommandResult {
     let (mut old, _held) = read_expectations(path, budget)?;
     if old.is_empty() {
-        old.push((TracePlace::Start, ExpectedResults::default()));
+        old.push(PlacedExpectation { place: TracePlace::Start, results: ExpectedResults::default() });
     }
     let mut new = Vec::new();
     for expected in old {
         let report = replay(path, &expected, Engine::Timed, budget)?;
-        new.push(expectation_of(&report, expected.1.config));
+        new.push(expectation_of(&report, expected.results.config));
     }
     let input = TraceFile::open(path)?;
     to_trace_file(path, |file, form| {

@@ -67,7 +67,7 @@ impl TraceTap {
             Some(Err(error)) => Err(error),
             None => {
                 seen.digest = self.hash.take().map(CanonicalHash::finish);
-                seen.expectations = self.resolver.expectations().to_vec();
+                seen.expectations = self.resolver.expectations().iter().map(|placed| placed.results.clone()).collect();
                 return None;
             }
         };

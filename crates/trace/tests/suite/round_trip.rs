@@ -70,7 +70,8 @@ proptest! {
             let bytes = recorder.finish(vec![expectation.clone()]).unwrap();
             let mut resolver = TraceResolver::new(bytes.as_slice(), NoFiles, &MemoryPool::default()).unwrap();
             prop_assert!(resolver.by_ref().all(|item| item.is_ok()));
-            prop_assert!(same(&resolver.expectations(), &std::slice::from_ref(&expectation)));
+            let [placed] = resolver.expectations() else { panic!("one expectation") };
+            prop_assert!(same(&placed.results, &expectation));
         }
     }
 }
@@ -195,7 +196,9 @@ fn expectations_are_there_after_the_end() {
     let mut resolver = TraceResolver::new(SAMPLE.as_bytes(), NoFiles, &MemoryPool::default()).unwrap();
     assert_eq!((resolver.begin().width, resolver.begin().height), (8, 8));
     assert!(resolver.by_ref().all(|item| item.is_ok()));
-    let [expectation] = resolver.expectations() else { panic!("one expectation") };
+    let [placed] = resolver.expectations() else { panic!("one expectation") };
+    assert_eq!(placed.place.to_string(), format!("line {}", SAMPLE.lines().count() - 1));
+    let expectation = &placed.results;
     assert_eq!(expectation.cycles, Some(100));
     assert_eq!(expectation.config["replacement.entries"].to_string(), "[256, 128]");
     assert_eq!(expectation.memories["graphics"]["z"].write_bytes, 64);
