@@ -4,10 +4,10 @@ use crate::args::{MachineArgs, ViewArgs};
 use crate::error::{CommandError, CommandResult};
 use crate::global::GlobalOptions;
 use crate::inputs_read;
+use crate::scene_input::{demo_of, open_scene, scene_error};
 use crate::views::ViewScript;
 use basrelief_input::{MemoryPool, MemoryReservation, OverBudget, json_weight, open_in_folder};
-use basrelief_scene::{SceneError, SceneSubject, ViewOptions, load_path_with, read_camera};
-use basrelief_signals::Scene;
+use basrelief_scene::{SceneSubject, ViewOptions, read_camera};
 use basrelief_sim::{
     MACHINES, MachineConfig, MachineInfo, Overrides, OverridesError, PreparedScene, RunInput, looks_like_recording,
 };
@@ -139,50 +139,40 @@ pub fn open(path: &Path, view: &ViewArgs, global: &GlobalOptions) -> CommandResu
 
 /// Opens an input with a resolved view.
 pub fn open_seen(path: &Path, view: &ViewOptions, global: &GlobalOptions) -> CommandResult<Input> {
-    if let Some(name) = demo_of(path) {
-        return demo_scene(name, view, &global.budget).map(|scene| Input::Scene(scene.into()));
-    }
-    let mut trace = TraceFile::open(path)?;
-    if path == Path::new("-") || trace.is_one()? {
-        trace.check_is_no_recording()?;
+    if let Some(trace) = open_trace(path)? {
         if *view != ViewOptions::default() {
             return Err(CommandError::Usage("a trace has its own view; --size, --camera, --turn, --zoom, --frames, --orbit, --light, --light-orbit and --views apply to scenes only".into()));
         }
         return Ok(Input::Trace(trace));
     }
-    let (scene, held) = load_path_with(path, view, &global.import_options()).map_err(failed_within(path))?;
-    // The memory stays reserved until the end of the program.
-    held.keep_forever();
-    Ok(Input::Scene(Arc::new(scene).into()))
+    open_scene(path, view, global).map(|scene| Input::Scene(scene.into())).map_err(scene_error(path))
+}
+
+/// Opens a trace; `None` for a model or a demo.
+pub fn open_trace(path: &Path) -> CommandResult<Option<TraceFile>> {
+    if demo_of(path).is_some() {
+        return Ok(None);
+    }
+    let mut trace = TraceFile::open(path)?;
+    if path != Path::new("-") && !trace.is_one()? {
+        return Ok(None);
+    }
+    trace.check_is_no_recording()?;
+    Ok(Some(trace))
 }
 
 /// Opens a model or a demo (`demo:NAME`) without a view; `None` for a trace.
 pub fn open_subject(path: &Path, global: &GlobalOptions) -> CommandResult<Option<SceneSubject>> {
     if let Some(name) = demo_of(path) {
-        return SceneSubject::demo(name).map(Some).map_err(|e| CommandError::Usage(e.to_string()));
+        return SceneSubject::demo(name).map(Some).map_err(scene_error(path));
     }
     if path == Path::new("-") || TraceFile::open(path)?.is_one()? {
         return Ok(None);
     }
-    let (subject, held) = SceneSubject::load_path_with(path, &global.import_options()).map_err(failed_within(path))?;
+    let (subject, held) = SceneSubject::load_path_with(path, &global.import_options()).map_err(scene_error(path))?;
     // The memory stays reserved until the end of the program.
     held.keep_forever();
     Ok(Some(subject))
-}
-
-/// Converts an error of a model. The error may be in a file that the model references, but the message names the model too.
-fn failed_within(path: &Path) -> impl Fn(SceneError) -> CommandError {
-    let shown = path.display().to_string();
-    move |e| if e.file == shown { CommandError::bad_input(e) } else { CommandError::in_input(&shown)(e) }
-}
-
-/// Returns a demo scene.
-pub fn demo_scene(name: &str, view: &ViewOptions, budget: &MemoryPool) -> CommandResult<Arc<Scene>> {
-    let usage = |e: SceneError| if e.over_budget { CommandError::bad_input(e) } else { CommandError::Usage(e.to_string()) };
-    let (scene, held) = SceneSubject::demo(name).and_then(|demo| demo.seen_within(view, budget)).map_err(usage)?;
-    // The memory stays reserved until the end of the program.
-    held.keep_forever();
-    Ok(Arc::new(scene))
 }
 
 /// Reads a text file with this `content`, for example `a camera (JSON)`. Returns the text and its memory.
@@ -267,11 +257,6 @@ pub fn resolve_view(view: &ViewArgs, budget: &MemoryPool) -> CommandResult<Resol
         views,
     };
     Ok(ResolvedView { view, left_at_ms })
-}
-
-/// Returns the name of the demo that an input names.
-pub fn demo_of(path: &Path) -> Option<&str> {
-    path.to_str()?.strip_prefix("demo:")
 }
 
 /// Returns the parameters of the machine: the defaults, overridden by the file, overridden by single settings. A demo selects its machine.

@@ -17,6 +17,7 @@ mod interrupt;
 mod legacy;
 mod outputs;
 mod progress;
+mod scene_input;
 mod terminal;
 mod views;
 

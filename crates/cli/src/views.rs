@@ -1,7 +1,7 @@
 //! `--views`: a sequence of views, optionally with times.
 
 use basrelief_input::{JsonFault, MemoryPool, from_str, json_weight};
-use basrelief_parameters::syntax;
+use basrelief_parameters::TomlFault;
 use basrelief_scene::OwnView;
 use basrelief_signals::{Camera, schema_of};
 use basrelief_sim::TOML_GROWTH;
@@ -99,7 +99,7 @@ impl ViewScript {
         let written: ViewFile = if is_json {
             from_str(text).map_err(|fault| json(&fault))?
         } else {
-            toml::from_str(text).map_err(|error| plain_message(&syntax(text, &error)))?
+            toml::from_str(text).map_err(|error| TomlFault::of_reader(text, &error).at_line(text))?
         };
         if written.views.is_empty() {
             return Err("/views: is empty; expected a view at least".into());
@@ -120,11 +120,6 @@ fn to_own_view(view: WrittenView) -> OwnView {
     });
     let (turn, light) = (turn.map(|turn| turn.0), light.map(|light| light.0));
     OwnView { camera, turn, zoom, orbit_degrees: orbit, light, light_orbit_degrees: light_orbit }
-}
-
-/// Replaces the types in a message of the TOML reader by plain words.
-fn plain_message(sentence: &str) -> String {
-    sentence.replace(", expected f64", ", expected a number").replace(", expected a sequence", ", expected a list")
 }
 
 /// Returns the time at which each view is left, if there are times.
@@ -180,10 +175,12 @@ mod tests {
             ("", "missing field `views`"),
             ("views = []", "/views: is empty; expected a view at least"),
             ("views = [{ at = 3 }]", "unknown field `at`"),
-            ("views = [{ orbit = \"x\" }]", "line 1, column 20"),
-            ("views = [{ orbit = \"x\" }]", "invalid type: string \"x\", expected a number"),
-            ("views = 3", "invalid type: integer `3`, expected a list"),
-            ("views = [3]", "invalid type: integer `3`, expected a view, such as { orbit = 30 }"),
+            ("\nviews = [{ orbit = \"x\" }]", "line 2: views[0].orbit: the text \"x\" stands here, expected a number"),
+            ("views = 3", "line 1: views: the number 3 stands here, expected a list"),
+            ("views = [3]", "line 1: views[0]: the number 3 stands here, expected a view, such as { orbit = 30 }"),
+            ("views = [\n{ orbit = 3 },\n{ orbt = 3 }]", "line 3: views[1].orbt: unknown field `orbt`, expected one of"),
+            ("views = [{ orbt = 3 }]", "; did you mean `orbit`?"),
+            ("views = [", "TOML parse error at line 1, column 10"),
             ("views = [{ camera = 3 }]", "expected view_projection, to_light and to_viewer, as a file of --camera holds them"),
             ("views = [{ turn = [1] }]", "a list of 1 stands here, expected 2 numbers"),
             ("views = [{ turn = [1, 2, 3] }]", "a list of 3 stands here, expected 2 numbers"),

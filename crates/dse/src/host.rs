@@ -15,6 +15,53 @@ pub enum OpenedInput {
     Trace,
 }
 
+/// Error of an input that cannot be opened, with the part of the plan that is at fault.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum OpenError {
+    /// The input is at fault.
+    #[error("{0}")]
+    Input(String),
+    /// An option of the view is wrong, or does not fit the input.
+    #[error("{option}: {message}")]
+    View {
+        /// Name in the plan.
+        option: String,
+        /// The error, the expectation and the cure.
+        message: String,
+    },
+}
+
+impl OpenError {
+    /// Resolves the options of a view.
+    ///
+    /// # Errors
+    /// The error of `resolve`, for the first option that is wrong, alone or together with the options before it.
+    pub fn in_view<T>(view: &[(String, String)], resolve: impl Fn(&[(String, String)]) -> Result<T, String>) -> Result<T, Self> {
+        resolve(view).map_err(|whole| {
+            let of_part = |count: usize| Some((count, resolve(&view[..count]).err()?));
+            let (count, message) = (1..view.len()).find_map(of_part).unwrap_or((view.len(), whole));
+            let option = view[..count].last().map(|(name, _)| name.clone()).unwrap_or_default();
+            Self::View { option, message }
+        })
+    }
+
+    /// Creates the error of a view option for a trace.
+    pub fn view_of_trace(trace: &str, option: &str) -> Self {
+        let message = format!("{trace} is a trace, which has its own view; move it into a plan without views");
+        Self::View { option: option.into(), message }
+    }
+
+    /// Creates the error of a place in a scene: of the view option that the place names, such as `camera` in `/camera/to_light`, or of
+    /// the input if the view has no such option.
+    pub fn at_place(place: &str, view: &[(String, String)], message: String) -> Self {
+        let name = place.trim_start_matches('/').split('/').next().unwrap_or_default();
+        match view.iter().find(|(option, _)| option == name) {
+            Some((option, _)) => Self::View { option: option.clone(), message },
+            None => Self::Input(message),
+        }
+    }
+}
+
 /// Progress of a sweep.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SweepProgress {
@@ -64,8 +111,8 @@ pub trait SweepHost: Sync {
     /// Opens a model, `demo:NAME` or a display list, seen with these options: name and value, as the command line takes them.
     ///
     /// # Errors
-    /// A sentence that names the input, or the option.
-    fn open(&self, name: &str, view: &[(String, String)]) -> Result<OpenedInput, String>;
+    /// An input that cannot be read, or a wrong option.
+    fn open(&self, name: &str, view: &[(String, String)]) -> Result<OpenedInput, OpenError>;
 
     /// Opens a display list from its beginning.
     ///

@@ -65,7 +65,7 @@ pub use execute::{SweepJob, execute};
 pub use explore::{Budget, ExplorationResult, ExploreOptions, explore};
 pub use folder::{PointStatus, PointStore, SweepFolder};
 pub use front::{FrontPoint, candidates, front, front_points};
-pub use host::{OpenedInput, SweepHost, SweepProgress};
+pub use host::{OpenError, OpenedInput, SweepHost, SweepProgress};
 pub use hypervolume::ObjectiveSpace;
 pub use page::{PageOptions, page};
 #[cfg(feature = "parquet")]

@@ -1,25 +1,64 @@
-//! Errors of serde and `serde_json` in terms of JSON: lists, objects and numbers.
+//! Errors of serde and `serde_json` in terms of the text that they read: lists, numbers, and objects of JSON or tables of TOML.
 //!
 //! These functions read the English texts of both libraries, because `serde_json` fixes the error type of its deserializer. A
 //! wrapper with an error type of its own would map about fifty methods, and syntax errors would still be texts. A text that is
 //! unknown here passes unchanged.
 
+/// Format of a text, which names its values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TextFormat {
+    /// JSON, which has objects.
+    Json,
+    /// TOML, which has tables.
+    Toml,
+}
+
+impl TextFormat {
+    /// Name of a value with named fields.
+    fn fields(self) -> &'static str {
+        match self {
+            Self::Json => "an object",
+            Self::Toml => "a table",
+        }
+    }
+}
+
 /// Text of an error, without line and column.
 pub(crate) fn error_text(error: &serde_json::Error) -> String {
     let text = error.to_string();
     let text = text.strip_suffix(&format!(" at line {} column {}", error.line(), error.column())).unwrap_or(&text);
-    if !error.is_data() {
-        return syntax_text(text);
-    }
-    let found = ["invalid type: ", "invalid value: ", "invalid length "].into_iter().find_map(|start| {
-        let (found, expected) = text.strip_prefix(start)?.rsplit_once(", expected ")?;
-        Some((if start.ends_with("length ") { format!("a list of {found}") } else { found_text(found) }, expected))
-    });
-    found.map_or_else(
-        || shorten(&text.replacen("unknown variant", "unknown value", 1)),
-        |(found, expected)| format!("{found} stands here, expected {}", expected_text(expected)),
-    )
+    if error.is_data() { plain_message(text, TextFormat::Json) } else { syntax_text(text) }
 }
+
+/// Returns a message of serde, or of a library that reads with serde, without terms of the programming language.
+///
+/// ```
+/// use basrelief_input::{TextFormat, plain_message};
+///
+/// let message = plain_message("invalid type: string \"x\", expected f64", TextFormat::Toml);
+/// assert_eq!(message, "the text \"x\" stands here, expected a number");
+/// ```
+pub fn plain_message(message: &str, format: TextFormat) -> String {
+    if message == "wanted string or table" {
+        return format!("expected {ONE_OF_ITS_NAMES}");
+    }
+    let Some((found, expected)) = message.rsplit_once(", expected ") else { return shorten(message) };
+    let found_value = ["invalid type: ", "invalid value: ", "invalid length "].into_iter().find_map(|start| {
+        let found = found.strip_prefix(start)?;
+        Some(if start.ends_with("length ") { format!("a list of {found}") } else { found_text(found, format) })
+    });
+    match found_value {
+        Some(found) => format!("{found} stands here, expected {}", expected_text(expected, format)),
+        // The known names are few, but a given name can be as long as the file.
+        None => {
+            let variant = found.strip_prefix("unknown variant ").map(|name| format!("unknown value {name}"));
+            format!("{}, expected {expected}", shorten(variant.as_deref().unwrap_or(found)))
+        }
+    }
+}
+
+/// Expectation of an enum.
+const ONE_OF_ITS_NAMES: &str = "one of its names in quotes";
 
 fn syntax_text(text: &str) -> String {
     match text {
@@ -38,10 +77,10 @@ fn syntax_text(text: &str) -> String {
 }
 
 /// Name of the value found.
-fn found_text(found: &str) -> String {
+fn found_text(found: &str, format: TextFormat) -> String {
     let number = found.strip_prefix("integer ").or_else(|| found.strip_prefix("floating point "));
     match found {
-        "map" => "an object".into(),
+        "map" => format.fields().into(),
         "sequence" => "a list".into(),
         "null" | "unit value" => "null".into(),
         "unit variant" => "a name alone".into(),
@@ -55,10 +94,10 @@ fn found_text(found: &str) -> String {
 }
 
 /// Name of the value expected.
-fn expected_text(expected: &str) -> String {
+fn expected_text(expected: &str, format: TextFormat) -> String {
     match expected {
         "a sequence" => "a list".into(),
-        "a map" => "an object".into(),
+        "a map" => format.fields().into(),
         "f32" | "f64" => "a number".into(),
         "u8" => format!("a whole number 0..={}", u8::MAX),
         "u16" => format!("a whole number 0..={}", u16::MAX),
@@ -69,8 +108,11 @@ fn expected_text(expected: &str) -> String {
         "a string" => "a text in quotes".into(),
         "newtype variant" => "a name and what it holds".into(),
         other if other.starts_with("an array of length ") => format!("a list of {}", &other["an array of length ".len()..]),
-        other if other.starts_with("struct ") => "an object".into(),
-        other if other.starts_with("enum ") => "one of its names, or an object with one of them as its key".into(),
+        "string or map" => ONE_OF_ITS_NAMES.into(),
+        other if other.starts_with("struct ") => format.fields().into(),
+        other if other.starts_with("enum ") => {
+            format!("one of its names, or {} with one of them as its key", format.fields())
+        }
         other => other.into(),
     }
 }
@@ -81,5 +123,47 @@ fn shorten(text: &str) -> String {
     match text.char_indices().nth(LONGEST) {
         Some((end, _)) => format!("{}...", &text[..end]),
         None => text.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn types_of_the_language_become_plain_words() {
+        for (message, plain) in [
+            (
+                "invalid value: integer `-1`, expected usize",
+                "the number -1 stands here, expected a whole number 0..=18446744073709551615",
+            ),
+            ("invalid type: map, expected a string", "a table stands here, expected a text in quotes"),
+            ("invalid type: boolean `true`, expected struct Point", "true stands here, expected a table"),
+            (
+                "invalid type: integer `3`, expected string or map",
+                "the number 3 stands here, expected one of its names in quotes",
+            ),
+            ("wanted string or table", "expected one of its names in quotes"),
+            ("invalid length 1, expected an array of length 2", "a list of 1 stands here, expected a list of 2"),
+            ("unknown variant `a`, expected `b` or `c`", "unknown value `a`, expected `b` or `c`"),
+            ("missing field `unknown variant`", "missing field `unknown variant`"),
+        ] {
+            assert_eq!(plain_message(message, TextFormat::Toml), plain);
+        }
+        assert_eq!(
+            plain_message("invalid type: map, expected a map", TextFormat::Json),
+            "an object stands here, expected an object"
+        );
+    }
+
+    #[test]
+    fn long_name_is_shortened_and_expectation_is_kept() {
+        let names = ["field"; 40].join("`, `");
+        let message =
+            plain_message(&format!("unknown field `{}`, expected one of `{names}`", "x".repeat(1000)), TextFormat::Toml);
+        assert!(
+            message.starts_with("unknown field `xxx") && message.ends_with(&format!("x..., expected one of `{names}`")),
+            "{message}"
+        );
     }
 }

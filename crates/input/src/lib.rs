@@ -9,6 +9,7 @@ mod memory_pool;
 mod reject_seq;
 mod weight;
 
+pub use error_text::{TextFormat, plain_message};
 pub use file::{open_in_folder, read_text};
 pub use json::{JsonFault, fault_offset, from_slice, from_str};
 pub use json_path::{JsonPath, JsonStep};

@@ -291,8 +291,9 @@ impl MachineInfo {
         (self.loader)(toml)
     }
 
-    /// Describes an error in a configuration. An unknown parameter that another machine has is reported with that machine.
-    pub fn explain(&self, error: &ConfigError) -> String {
+    /// Describes an error in a configuration. An unknown parameter that another machine has is reported with that machine. `choice`
+    /// returns the cure: how the user chooses the machine of this name.
+    pub fn explain(&self, error: &ConfigError, choice: impl Fn(&str) -> String) -> String {
         let ConfigError::Unknown { key, .. } = error else { return error.to_string() };
         let group = format!("{key}.");
         if let Some(first) = self.parameters().iter().find(|p| p.key.starts_with(&group)) {
@@ -302,8 +303,8 @@ impl MachineInfo {
         MACHINES.iter().filter(|m| m.name != self.name).find(knows).map_or_else(
             || error.to_string(),
             |other| {
-                let (name, other) = (self.name, other.name);
-                format!("`{key}` is a parameter of machine `{other}`, and this is `{name}`; use --machine {other}")
+                let (name, other, cure) = (self.name, other.name, choice(other.name));
+                format!("`{key}` is a parameter of machine `{other}`, and this is `{name}`; {cure}")
             },
         )
     }

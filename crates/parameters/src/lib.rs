@@ -27,7 +27,6 @@
 //! ```
 
 mod error;
-mod error_place;
 mod fields;
 mod load;
 #[doc(hidden)]
@@ -35,14 +34,15 @@ pub mod private;
 mod settings;
 mod suggestion;
 mod table;
+mod toml_fault;
 mod user_settings;
 
 pub use error::{ConfigError, RangeError};
-pub use error_place::{at_line, line_of, syntax};
 pub use fields::{Field, FieldMut, Fields, ParameterValue, from_json, to_json};
 pub use load::{Loader, is_given, load};
 pub use suggestion::nearest;
 pub use table::{Effect, Parameter, Parameters, Provenance, as_option, resolved, value_of};
+pub use toml_fault::{FieldPositions, TomlFault};
 pub use user_settings::UserSettings;
 
 /// Tests the example of the README.

@@ -1,10 +1,11 @@
 //! From TOML and `key=value` pairs to a checked configuration.
 
 use crate::error::allowed;
-use crate::error_place::{first_line, syntax};
 use crate::fields::{from_json, to_json};
 use crate::settings::{check_known, check_tree, insert_setting, merge, parse_value, rename, settings_in};
+use crate::toml_fault::syntax;
 use crate::{ConfigError, Parameter, Parameters, RangeError, UserSettings};
+use basrelief_input::{TextFormat, plain_message};
 use serde_json::Value as Json;
 use std::marker::PhantomData;
 use toml::{Table, Value};
@@ -103,7 +104,7 @@ fn wrong_type_of(table: &[Parameter], key: String, value: String, message: &str)
             let expected = allowed(&known.range, known.unit);
             RangeError { key, value, expected }.into()
         }
-        None => ConfigError::Type { key, message: first_line(message) },
+        None => ConfigError::Type { key, message: plain_message(message, TextFormat::Toml) },
     }
 }
 
@@ -218,6 +219,9 @@ mod tests {
         says("", &[("search.lanes", "0")], "`search.lanes` is 0, expected 1..=4096");
         says("", &[("search.lanes", "many")], "expected 1..=4096 inner products/cycle");
         says("[search", &[], "not valid TOML");
+        says("\"search.lanes\" = 3", &[], "`search.lanes`: has quotes around dots");
+        says("search.pipelined = 3", &[], "`search.pipelined`: the number 3 stands here, expected true or false");
+        says("search.pipelined.a = 3", &[], "`search.pipelined`: a table stands here, expected true or false");
         let long = format!("a = 1\nb = {}", "[".repeat(100_000));
         let message = load::<All>(&long, &[]).unwrap_err().to_string();
         assert!(message.starts_with("not valid TOML: line 2, column ") && message.len() < 1100, "{message:.200}");

@@ -57,6 +57,10 @@ pub(crate) fn insert_setting(tree: &mut Table, key: &str, value: Value) -> Resul
 pub(crate) fn check_tree(tree: &Table, prefix: &str, known: &[String]) -> Result<(), ConfigError> {
     for (name, value) in tree {
         let key = format!("{prefix}{name}");
+        if name.contains('.') {
+            let message = "has quotes around dots, which make one name of several; expected the name without quotes";
+            return Err(ConfigError::Type { key, message: message.into() });
+        }
         match value {
             Value::Table(inner) if !known.contains(&key) => {
                 let group = format!("{key}.");

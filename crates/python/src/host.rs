@@ -1,8 +1,8 @@
 //! Services that Python provides to a sweep: files of a plan, and checks for Ctrl-C.
 
-use crate::error::{CommandError, CommandResult};
+use crate::error::CommandResult;
 use crate::scene::{DisplayList, RunSource, ViewArguments, text_of};
-use basrelief_dse::{OpenedInput, SweepHost, SweepProgress};
+use basrelief_dse::{OpenError, OpenedInput, SweepHost, SweepProgress};
 use basrelief_input::MemoryPool;
 use basrelief_outputs::PartialFile;
 use basrelief_reference::RgbPicture;
@@ -25,29 +25,40 @@ impl PlanFiles {
         self.plan.parent().map_or_else(|| name.into(), |folder| folder.join(name))
     }
 
-    fn opened(&self, name: &str, view: &ViewArguments) -> CommandResult<OpenedInput> {
+    /// Reads a camera file. Returns its name and its text.
+    fn camera(&self, name: &str) -> CommandResult<(String, String)> {
+        let path = self.path_of(name);
+        Ok((path.display().to_string(), text_of(&path, &self.budget)?))
+    }
+
+    fn opened(&self, name: &str, options: &[(String, String)]) -> Result<OpenedInput, OpenError> {
         let budget = &self.budget;
+        let resolved = |options: &[(String, String)]| {
+            let view = ViewArguments::of_plan(options, |name| self.camera(name))?;
+            view.options(budget).map(|resolved| (view, resolved)).map_err(|error| error.to_string())
+        };
+        let (view, resolved) = OpenError::in_view(options, resolved)?;
         let kept = |scene| OpenedInput::Scene(PreparedScene::cached(Arc::new(scene), budget));
         if let Some(name) = name.strip_prefix("demo:") {
-            return demo(name, &view.options(budget)?).map(kept).map_err(CommandError::bad_input);
+            let opened = demo(name, &resolved).map(kept);
+            return opened.map_err(|error| OpenError::at_place(&error.place, options, error.to_string()));
         }
         let path = self.path_of(name);
-        if DisplayList::of_plan(&path).is_one()? {
-            return if view.is_default() { Ok(OpenedInput::Trace) } else { Err(CommandError::bad_input(VIEW_OF_A_DISPLAY_LIST)) };
+        if DisplayList::of_plan(&path).is_one().map_err(|error| OpenError::Input(error.to_string()))? {
+            let option = options.first().filter(|_| !view.is_default());
+            return option.map_or(Ok(OpenedInput::Trace), |(option, _)| Err(OpenError::view_of_trace(name, option)));
         }
         let shown = path.display().to_string();
-        let options = ImportOptions { budget: budget.clone(), ..ImportOptions::default() };
-        let loaded = load_path_with(&path, &view.options(budget)?, &options);
-        let (scene, held) = loaded.map_err(|error| {
-            if error.file == shown { CommandError::bad_input(error) } else { CommandError::in_input(&shown)(error) }
+        let import = ImportOptions { budget: budget.clone(), ..ImportOptions::default() };
+        let (scene, held) = load_path_with(&path, &resolved, &import).map_err(|error| {
+            let within = if error.file == shown { String::new() } else { format!("{shown}: ") };
+            OpenError::at_place(&error.place, options, format!("{within}{error}"))
         })?;
         // Released with the memory limit of the plan.
         held.keep_forever();
         Ok(kept(scene))
     }
 }
-
-const VIEW_OF_A_DISPLAY_LIST: &str = "a display list carries its own view: a plan's view is for scenes";
 
 /// Services that Python provides to a sweep.
 pub struct PythonHost<'a> {
@@ -57,13 +68,8 @@ pub struct PythonHost<'a> {
 }
 
 impl SweepHost for PythonHost<'_> {
-    fn open(&self, name: &str, view: &[(String, String)]) -> Result<OpenedInput, String> {
-        let camera = |name: &str| {
-            let path = self.files.path_of(name);
-            Ok((path.display().to_string(), text_of(&path, &self.files.budget)?))
-        };
-        let view = ViewArguments::of_plan(view, camera)?;
-        self.files.opened(name, &view).map_err(|failure| format!("input: {failure}"))
+    fn open(&self, name: &str, view: &[(String, String)]) -> Result<OpenedInput, OpenError> {
+        self.files.opened(name, view)
     }
 
     fn trace(&self, name: &str) -> Result<RunInput, String> {

@@ -35,14 +35,14 @@ pub struct ViewArguments {
 const OPTIONS: [&str; 8] = ["size", "camera", "turn", "zoom", "frames", "orbit", "light", "light_orbit"];
 
 impl ViewArguments {
-    /// Reads the view of a plan. `camera` opens the camera file of the given name.
+    /// Reads the view of a plan. `camera` reads the camera file of the given name.
     pub fn of_plan(
         options: &[(String, String)],
         camera: impl Fn(&str) -> CommandResult<(String, String)>,
     ) -> Result<Self, String> {
         let mut view = Self::default();
         for (name, value) in options {
-            let failed = |error: String| format!("view: {name}: {error}");
+            let failed = |error: String| format!("{name}: {error}");
             match name.as_str() {
                 "size" => {
                     view.size = Some(text::size(value).map(|[width, height]| (width.into(), height.into())).map_err(failed)?)
@@ -57,7 +57,7 @@ impl ViewArguments {
                 _ => {
                     let hint =
                         nearest(name, OPTIONS.into_iter()).map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
-                    return Err(format!("view: no option is called `{name}`{hint} (basrelief.scene has all)"));
+                    return Err(format!("no option is called `{name}`{hint} (basrelief.scene has all)"));
                 }
             }
         }

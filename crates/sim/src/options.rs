@@ -6,7 +6,7 @@ use basrelief_deferred_renderer::TileSource;
 use basrelief_input::MemoryPool;
 use basrelief_kernel::Engine;
 use basrelief_machines::{InputKind, MachineConfig, MachineInfo};
-use basrelief_parameters::{ConfigError, Loader, Parameters};
+use basrelief_parameters::{ConfigError, Loader, Parameters, TomlFault};
 use basrelief_trace::{NoFiles, TextureFiles};
 use serde::{Deserialize, Serialize};
 use std::io::Read;
@@ -116,15 +116,16 @@ impl Overrides {
     pub fn load_checked(&self, machine: &MachineInfo, budget: &MemoryPool) -> Result<MachineConfig, OverridesError> {
         let growth = budget.try_reserve(TOML_GROWTH * self.toml.len() as u64, "the values of a configuration");
         let _growth = growth.map_err(|error| OverridesError::File(error.to_string()))?;
+        let explain = |error: &ConfigError| machine.explain(error, |name| format!("use --machine {name}"));
         // Single settings may repair a file whose parameters do not fit together, and vice versa.
         let file_fits = match machine.load(&self.toml, &[]) {
             Err(ConfigError::Unfit { .. }) => false,
-            Err(error) => return Err(OverridesError::File(self.at_line(error.key(), machine.explain(&error)))),
+            Err(error) => return Err(OverridesError::File(self.at_line(error.key(), explain(&error)))),
             Ok(config) => config.check().is_ok(),
         };
         let config = self.config(machine, &[]).map_err(|error| match &error {
             ConfigError::Unfit { .. } if !file_fits => OverridesError::File(self.at_line(error.key(), error.to_string())),
-            _ => OverridesError::Settings(machine.explain(&error)),
+            _ => OverridesError::Settings(explain(&error)),
         })?;
         match config.check() {
             Ok(()) => Ok(config),
@@ -135,7 +136,7 @@ impl Overrides {
 
     /// Returns the text of an error, after the line of its parameter in the file if the file gives it.
     fn at_line(&self, key: Option<&str>, text: String) -> String {
-        basrelief_parameters::at_line(&self.toml, key, text)
+        TomlFault::of_parameter(key, text).at_line(&self.toml)
     }
 }
 

@@ -3,15 +3,19 @@
 use crate::args::{PlanArgs, ViewArgs};
 use crate::error::{CommandError, CommandResult};
 use crate::global::GlobalOptions;
-use crate::input::{self, Input, TraceFile, demo_of, read_text};
+use crate::input::{ResolvedView, TraceFile, open_trace, read_text, resolve_view};
 use crate::interrupt;
 use crate::outputs::{PartialFile, check_outputs_keep_inputs};
 use crate::progress::PointProgress;
-use basrelief_dse::{OpenedInput, Plan, PlanPoint, SweepError, SweepFolder, SweepHost, SweepJob, SweepProgress, tables};
+use crate::scene_input::{demo_of, open_scene, scene_error};
+use basrelief_dse::{
+    OpenError, OpenedInput, Plan, PlanPoint, SweepError, SweepFolder, SweepHost, SweepJob, SweepProgress, tables,
+};
 use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_parameters::nearest;
 use basrelief_reference::RgbPicture;
-use basrelief_sim::{RunInput, TOML_GROWTH, reason_and_cure, to_png};
+use basrelief_scene::ViewOptions;
+use basrelief_sim::{PreparedScene, RunInput, TOML_GROWTH, reason_and_cure, to_png};
 use basrelief_threads as threads;
 use clap::{CommandFactory, Parser};
 use serde_json::{Map, Value, json};
@@ -141,40 +145,49 @@ impl SweepProgram<'_> {
         check_outputs_keep_inputs(None, outputs, &read)
     }
 
-    /// Converts the view of the plan into options.
-    fn view(&self, view: &[(String, String)]) -> Result<ViewArgs, String> {
+    /// Converts the view of a plan into options.
+    fn view(&self, view: &[(String, String)]) -> Result<ViewOptions, String> {
         let command = ViewCommand::command();
         let known: Vec<&str> = command.get_arguments().map(|argument| argument.get_id().as_str()).collect();
         if let Some((name, _)) = view.iter().find(|(name, _)| !known.contains(&name.as_str())) {
             let hint = nearest(name, known.iter().copied()).map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
-            return Err(format!("view: no option is called `{name}`{hint} (`basrelief run --help` lists all under View)"));
+            return Err(format!("no option is called `{name}`{hint} (`basrelief run --help` lists all under View)"));
         }
         let option = |(name, value): &(String, String)| {
-            let value = if name == "camera" { self.path_of(value).display().to_string() } else { value.clone() };
+            let is_file = ["camera", "views"].contains(&name.as_str());
+            let value = if is_file { self.path_of(value).display().to_string() } else { value.clone() };
             format!("--{}={value}", name.replace('_', "-"))
         };
         let parsed = ViewCommand::try_parse_from(view.iter().map(option)).map_err(|error| {
             let text = error.to_string();
-            format!("view: {}", text.lines().next().unwrap_or_default().trim_start_matches("error: "))
-        });
-        parsed.map(|ViewCommand { view }| view)
+            text.lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned()
+        })?;
+        let resolved = resolve_view(&parsed.view, &self.global.budget).and_then(ResolvedView::without_times);
+        resolved.map_err(|error| error.to_string())
     }
 }
 
 impl SweepHost for SweepProgram<'_> {
-    fn open(&self, name: &str, view: &[(String, String)]) -> Result<OpenedInput, String> {
-        let view = self.view(view)?;
+    fn open(&self, name: &str, view: &[(String, String)]) -> Result<OpenedInput, OpenError> {
+        let options = OpenError::in_view(view, |view| self.view(view))?;
         let path = if demo_of(Path::new(name)).is_some() { name.into() } else { self.path_of(name) };
-        let once = || format!("input: {name}: can be read only once, but every run of a sweep reads it; expected a file");
+        let once =
+            || OpenError::Input(format!("{name}: can be read only once, but every run of a sweep reads it; expected a file"));
         if path == Path::new("-") {
             return Err(once());
         }
-        let opened = input::open(&path, &view, self.global).map_err(|failure| format!("input: {failure}"))?;
-        Ok(match opened.for_several_runs(&self.global.budget) {
-            Input::Scene(prepared) => OpenedInput::Scene(prepared),
-            Input::Trace(TraceFile { bytes: None, .. }) => return Err(once()),
-            Input::Trace(_) => OpenedInput::Trace,
-        })
+        let Some(trace) = open_trace(&path).map_err(|error| OpenError::Input(error.to_string()))? else {
+            let scene = open_scene(&path, &options, self.global).map_err(|error| {
+                let place = error.place.clone();
+                OpenError::at_place(&place, view, scene_error(&path)(error).to_string())
+            })?;
+            return Ok(OpenedInput::Scene(PreparedScene::cached(scene, &self.global.budget)));
+        };
+        match (trace.bytes, view.first()) {
+            (None, _) => Err(once()),
+            (_, Some((option, _))) if options != ViewOptions::default() => Err(OpenError::view_of_trace(name, option)),
+            _ => Ok(OpenedInput::Trace),
+        }
     }
 
     fn trace(&self, name: &str) -> Result<RunInput, String> {

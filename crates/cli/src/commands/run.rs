@@ -7,11 +7,13 @@ use super::tables::{ablate, compare_methods};
 use crate::args::{DemoArgs, RunArgs};
 use crate::error::{CommandError, CommandResult};
 use crate::global::GlobalOptions;
-use crate::input::{self, Input, demo_of};
+use crate::input::{self, Input};
 use crate::progress::{InputProgress, Progress};
+use crate::scene_input::{demo_of, open_scene, scene_error};
 use basrelief_sim::{MACHINES, RunInput};
 use basrelief_tile_server::preview::LivePreview;
 use std::path::Path;
+use std::path::PathBuf;
 use std::rc::Rc;
 
 /// Draws a demo scene.
@@ -22,7 +24,8 @@ pub fn demo(args: &DemoArgs, global: &GlobalOptions) -> CommandResult {
     let look = input::resolve_view(&args.view, &global.budget)?;
     // Settings are checked first, because a large scene takes seconds.
     let machine = input::config(&look.with_view_times(&args.machine, Some(name))?, Some(name), &global.budget)?;
-    let scene = input::demo_scene(name, &look.view, &global.budget)?;
+    let path = PathBuf::from(format!("demo:{name}"));
+    let scene = open_scene(&path, &look.view, global).map_err(scene_error(&path))?;
     simulate(Input::Scene(scene.into()), Simulation::new(&args.simulation, machine, global))
 }
 

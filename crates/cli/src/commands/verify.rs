@@ -131,7 +131,8 @@ fn replay(path: &Path, expectation: &PlacedExpectation, engine: Engine, budget: 
     let in_field = |field: &str, error: String| in_trace(path)(format!("{place}: expect.{field}: {error}"));
     let machine = expected.machine.as_deref().map_or(Ok(&MACHINES[0]), MachineInfo::named);
     let machine = machine.map_err(|error| in_field("machine", error.to_string()))?;
-    let config = machine.load("", &borrowed).map_err(|error| in_field("config", machine.explain(&error)))?;
+    let choice = |name: &str| format!("set expect.machine to \"{name}\"");
+    let config = machine.load("", &borrowed).map_err(|error| in_field("config", machine.explain(&error, choice)))?;
     config.check().map_err(|problem| in_field("config", problem.to_string()))?;
     let file = TraceFile::open(path)?;
     run_quietly(file.into_source(), &config, engine, budget).map(|run| run.report)

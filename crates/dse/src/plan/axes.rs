@@ -1,12 +1,12 @@
 //! Axes of a plan: parameters, and the values that they take.
 
-use super::fault::PlanFault;
 use crate::Cell;
+use basrelief_input::{TextFormat, plain_message};
+use basrelief_parameters::{FieldPositions, TomlFault};
 use schemars::JsonSchema;
 use serde::Deserialize;
-use std::ops::Range;
-use toml::de::{DeTable, DeValue};
-use toml::{Spanned, Table, Value};
+use std::collections::BTreeSet;
+use toml::{Table, Value};
 
 /// Maximum number of values of an axis.
 pub(super) const MOST_VALUES: usize = 1 << 12;
@@ -37,101 +37,110 @@ pub(super) struct RangeSteps {
     factor: Option<f64>,
 }
 
-/// Values of parameters, by place: the order in the file is that of the axes.
-type ParsedValues = Vec<(Option<usize>, String, Vec<Value>)>;
-
-/// Positions of the parts of a plan in its text.
-pub(super) struct KeyPositions<'a>(Option<Spanned<DeTable<'a>>>);
-
-impl<'a> KeyPositions<'a> {
-    pub(super) fn of(text: &'a str) -> Self {
-        Self(DeTable::parse(text).ok())
-    }
-
-    /// Returns the position of the key at the end of this path.
-    fn of_path(&self, path: &[String]) -> Option<usize> {
-        let mut table = self.0.as_ref()?.get_ref();
-        let mut found: Option<Range<usize>> = None;
-        for part in path {
-            if let Some((key, value)) = table.get_key_value(part.as_str()) {
-                found = Some(key.span());
-                match value.get_ref() {
-                    DeValue::Table(inner) => table = inner,
-                    _ => break,
-                }
-            }
-        }
-        found.map(|span| span.start)
-    }
+/// Parameter of an axis, with its values.
+struct AxisParameter {
+    /// Path in the plan.
+    path: Vec<String>,
+    key: String,
+    values: Vec<Value>,
 }
 
 /// The axes of `[axes]`, in the order in which they are written, then those of each `[[zip]]`.
-pub(super) fn axes(axes: &Table, zips: &[Table], places: &KeyPositions<'_>) -> Result<Vec<Axis>, PlanFault> {
-    let mut parsed = Vec::new();
-    parameters(axes, &["axes".to_owned()], places, &mut parsed)?;
-    parsed.sort_by_key(|(place, ..)| *place);
-    let single = parsed.into_iter().map(|(_, key, values)| axis(vec![(key, values)]));
-    let zip_axis = |zip: &Table| {
-        let mut parsed = Vec::new();
-        parameters(zip, &["zip".to_owned()], places, &mut parsed)?;
-        axis(parsed.into_iter().map(|(_, key, values)| (key, values)).collect())
-    };
-    let zipped = (0..).zip(zips).map(|(number, zip)| zip_axis(zip).map_err(|fault: PlanFault| fault.in_block(number)));
-    single.chain(zipped).collect()
+pub(super) fn axes(axes: &Table, zips: &[Table], positions: &FieldPositions<'_>) -> Result<Vec<Axis>, TomlFault> {
+    let mut seen = BTreeSet::new();
+    let mut single = parameters(axes, &["axes"])?;
+    single.sort_by_cached_key(|parameter| positions.start_of(&parameter.path));
+    check_new(&single, &mut seen)?;
+    let mut all = single.into_iter().map(|parameter| axis(&[parameter])).collect::<Vec<_>>();
+    for (number, zip) in zips.iter().enumerate() {
+        let block = ["zip", &number.to_string()];
+        let zipped = parameters(zip, &block)?;
+        check_new(&zipped, &mut seen)?;
+        check_lengths(&zipped, &block)?;
+        all.push(axis(&zipped));
+    }
+    Ok(all)
 }
 
-fn axis(parameters: Vec<(String, Vec<Value>)>) -> Result<Axis, PlanFault> {
-    let Some((first, values)) = parameters.first() else {
-        return Err(PlanFault::new("zip", "zip: names no parameter; expected two or more"));
-    };
-    let count = values.len();
-    if let Some((other, values)) = parameters.iter().find(|(_, values)| values.len() != count) {
-        let others = values.len();
-        let message = format!("zip: `{first}` has {count} values and `{other}` has {others}; expected as many of each");
-        return Err(PlanFault::new(format!("zip.{other}"), message));
+/// Checks that no parameter is on an axis that has been seen.
+fn check_new(parameters: &[AxisParameter], seen: &mut BTreeSet<String>) -> Result<(), TomlFault> {
+    match parameters.iter().find(|parameter| !seen.insert(parameter.key.clone())) {
+        Some(twice) => Err(TomlFault::new(&twice.path, format!("axes: `{}` is on two axes; expected it on one", twice.key))),
+        None => Ok(()),
     }
-    let keys = parameters.iter().map(|(key, _)| key.clone()).collect();
-    let row = |n: usize| parameters.iter().map(move |(_, values)| &values[n]);
+}
+
+/// Checks that zipped parameters have equally many values.
+fn check_lengths(zipped: &[AxisParameter], block: &[&str]) -> Result<(), TomlFault> {
+    let Some(first) = zipped.first() else {
+        return Err(TomlFault::new(block, "zip: names no parameter; expected two or more"));
+    };
+    let count = first.values.len();
+    match zipped.iter().find(|other| other.values.len() != count) {
+        Some(AxisParameter { path, key, values }) => {
+            let (first, others) = (&first.key, values.len());
+            let message = format!("zip: `{first}` has {count} values and `{key}` has {others}; expected as many of each");
+            Err(TomlFault::new(path, message))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Returns the axis of parameters with equally many values.
+fn axis(parameters: &[AxisParameter]) -> Axis {
+    let keys = parameters.iter().map(|parameter| parameter.key.clone()).collect();
+    let row = |n: usize| parameters.iter().map(move |parameter| &parameter.values[n]);
+    let count = parameters.first().map_or(0, |first| first.values.len());
     let values = (0..count).map(|n| row(n).map(Value::to_string).collect()).collect();
     let cells = (0..count).map(|n| row(n).map(cell).collect()).collect();
-    Ok(Axis { keys, values, cells })
+    Axis { keys, values, cells }
 }
 
-/// Parameters of a table and the groups in it, each with its values.
-fn parameters(table: &Table, path: &[String], places: &KeyPositions<'_>, found: &mut ParsedValues) -> Result<(), PlanFault> {
+/// Parameters of a block and of the groups in it, each with its values. `block` is the path of the block in the plan.
+fn parameters(table: &Table, block: &[&str]) -> Result<Vec<AxisParameter>, TomlFault> {
+    let mut found = Vec::new();
+    parameters_in(table, block, block.len(), &mut found)?;
+    Ok(found)
+}
+
+/// Adds the parameters of a table at this path. The first `block` parts of the path belong to the block.
+fn parameters_in(table: &Table, path: &[&str], block: usize, found: &mut Vec<AxisParameter>) -> Result<(), TomlFault> {
     for (name, value) in table {
-        let path = [path, std::slice::from_ref(name)].concat();
-        let (place, key) = (path.join("."), path[1..].join("."));
+        let path = [path, &[name]].concat();
+        let key = path[block..].join(".");
+        let fault = |message: String| TomlFault::new(&path, format!("{}.{key}: {message}", path[0]));
         let values = match value {
             Value::Array(values) => values.clone(),
-            Value::Table(range) if range.contains_key("from") || range.contains_key("to") => range_values(range, &place)?,
+            Value::Table(range) if range.contains_key("from") || range.contains_key("to") => {
+                range_values(range).map_err(fault)?
+            }
             Value::Table(group) => {
-                parameters(group, &path, places, found)?;
+                parameters_in(group, &path, block, found)?;
                 continue;
             }
-            other => return Err(format!("{place}: is {other}, expected a list of values, or {RANGE}").into()),
+            other => return Err(fault(format!("is {other}, expected a list of values, or {RANGE}"))),
         };
         if values.is_empty() {
-            return Err(format!("{place}: has no values; expected one at least").into());
+            return Err(fault("has no values; expected one at least".into()));
         }
         if values.len() > MOST_VALUES {
-            return Err(too_many(&place, &values.len().to_string()).into());
+            return Err(fault(too_many(&values.len().to_string())));
         }
-        found.push((places.of_path(&path), key, values));
+        found.push(AxisParameter { path: path.into_iter().map(str::to_owned).collect(), key, values });
     }
     Ok(())
 }
 
-fn too_many(place: &str, count: &str) -> String {
-    format!("{place}: has {count} values; expected at most {MOST_VALUES}")
+fn too_many(count: &str) -> String {
+    format!("has {count} values; expected at most {MOST_VALUES}")
 }
 
 const RANGE: &str = "a range such as { from = 8, to = 64, step = 8 } or { from = 2, to = 64, factor = 2 }";
 
-fn range_values(range: &Table, place: &str) -> Result<Vec<Value>, String> {
-    let wrong = |what: String| format!("{place}: {what}; expected {RANGE}");
+fn range_values(range: &Table) -> Result<Vec<Value>, String> {
+    let wrong = |what: String| format!("{what}; expected {RANGE}");
     let RangeSteps { from, to, step, factor } =
-        RangeSteps::deserialize(range.clone()).map_err(|error| wrong(error.message().trim().to_owned()))?;
+        RangeSteps::deserialize(range.clone()).map_err(|error| wrong(plain_message(error.message().trim(), TextFormat::Toml)))?;
     let is_whole = range.values().all(|value| !value.is_float());
     let grows = |x: f64| match (step, factor) {
         (Some(step), None) => Ok(x + step),
@@ -159,7 +168,7 @@ fn range_values(range: &Table, place: &str) -> Result<Vec<Value>, String> {
             break;
         }
         if values.len() == MOST_VALUES {
-            return Err(too_many(place, &format!("more than {MOST_VALUES}")));
+            return Err(too_many(&format!("more than {MOST_VALUES}")));
         }
         values.push(if is_whole { Value::Integer(x as i64) } else { Value::Float(x) });
     }
@@ -185,7 +194,7 @@ mod tests {
         let group = |name: &str| table.get(name).and_then(Value::as_table).cloned().unwrap_or_default();
         let zips = table.get("zip").and_then(Value::as_array).cloned().unwrap_or_default();
         let zips: Vec<Table> = zips.into_iter().map(|zip| zip.as_table().cloned().unwrap()).collect();
-        axes(&group("axes"), &zips, &KeyPositions::of(text)).map_err(|fault| fault.at_line(text))
+        axes(&group("axes"), &zips, &FieldPositions::of(text)).map_err(|fault| fault.at_line(text))
     }
 
     fn values(text: &str) -> Vec<String> {

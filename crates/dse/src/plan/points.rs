@@ -6,6 +6,7 @@ use super::exclusion::Exclusion;
 use super::identity::PlanIdentity;
 use super::written::{SampleMethod, SampleOptions};
 use crate::sample::{full_grid, latin_hypercube, sobol};
+use basrelief_parameters::TomlFault;
 use basrelief_threads as threads;
 use std::collections::BTreeSet;
 
@@ -18,30 +19,39 @@ pub(super) fn axis_values(
     exclusions: &[Exclusion],
     samples: Option<&SampleOptions>,
     inputs: usize,
-) -> Result<Vec<Vec<usize>>, String> {
+) -> Result<Vec<Vec<usize>>, TomlFault> {
     let lengths: Vec<usize> = axes.iter().map(|axis| axis.values.len()).collect();
+    let of_axes = |message| TomlFault::new(&["axes"], message);
     let places = match samples {
         Some(SampleOptions { method: method @ (SampleMethod::LatinHypercube | SampleMethod::Sobol), points, seed }) => {
-            let points = points.ok_or("samples: `points` says how many; expected a number such as points = 64")?;
-            bounded(Some(points), inputs)?;
+            let fault = |message| TomlFault::new(&["samples", "points"], message);
+            let missing = "samples: `points` says how many; expected a number such as points = 64";
+            let points = points.ok_or_else(|| TomlFault::new(&["samples"], missing))?;
+            bounded(Some(points), inputs).map_err(fault)?;
             let sample = if *method == SampleMethod::Sobol { sobol } else { latin_hypercube };
-            sample(points, &lengths, *seed).map_err(|error| format!("samples: {error}"))?
+            sample(points, &lengths, *seed).map_err(|error| fault(format!("samples: {error}")))?
         }
         Some(SampleOptions { points: Some(_), .. }) => {
-            return Err("samples: a grid, or one value at a time, has all its points; leave `points` out".into());
+            let message = "samples: a grid, or one value at a time, has all its points; leave `points` out";
+            return Err(TomlFault::new(&["samples", "points"], message));
         }
         Some(SampleOptions { method: SampleMethod::OneAtATime, .. }) => {
-            bounded(Some(lengths.iter().map(|length| length - 1).sum::<usize>() + 1), inputs)?;
+            bounded(Some(lengths.iter().map(|length| length - 1).sum::<usize>() + 1), inputs).map_err(of_axes)?;
             one_at_a_time(&lengths)
         }
         _ => {
-            bounded(lengths.iter().try_fold(1_usize, |product, length| product.checked_mul(*length)), inputs)?;
+            let product = lengths.iter().try_fold(1_usize, |product, length| product.checked_mul(*length));
+            bounded(product, inputs).map_err(of_axes)?;
             full_grid(&lengths)
         }
     };
     let left: Vec<Vec<usize>> =
         places.into_iter().filter(|places| !exclusions.iter().any(|exclusion| exclusion.leaves_out(places, axes))).collect();
-    if left.is_empty() { Err("exclude: leaves no point".into()) } else { Ok(left) }
+    if left.is_empty() {
+        Err(TomlFault::new(&["exclude"], "exclude: leaves no point; expected one at least: leave out fewer"))
+    } else {
+        Ok(left)
+    }
 }
 
 fn bounded(points: Option<usize>, inputs: usize) -> Result<(), String> {

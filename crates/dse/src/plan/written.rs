@@ -1,10 +1,11 @@
 //! A plan as it is written.
 
 use crate::{Constraint, Objective, ObjectiveDirection};
-use basrelief_parameters::{nearest, syntax};
+use basrelief_parameters::TomlFault;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::{Map, Value};
+use std::fmt::Display;
 use toml::Table;
 
 /// The plan file. docs/guide/sweep-and-explore.md describes its fields.
@@ -23,10 +24,9 @@ pub(super) struct PlanFile {
     #[serde(default)]
     #[schemars(with = "Map<String, Value>")]
     pub(super) view: Table,
-    /// Views of each point, over `view`. Each draws one frame unless it states more.
-    #[serde(default)]
-    #[schemars(with = "Vec<Map<String, Value>>")]
-    pub(super) views: Vec<Table>,
+    /// Views of each point, over `view`; at least one. Each draws one frame unless it states more.
+    #[schemars(with = "Option<Vec<Map<String, Value>>>", length(min = 1))]
+    pub(super) views: Option<Vec<Table>>,
     /// Cycles after which a run stops.
     pub(super) max_cycles: Option<u64>,
     /// Parameters and their values.
@@ -44,7 +44,8 @@ pub(super) struct PlanFile {
     /// Sampling, instead of all combinations.
     pub(super) samples: Option<SampleOptions>,
     /// Figures that are minimized or maximized.
-    pub(super) objectives: Vec<WrittenObjective>,
+    #[schemars(with = "Vec<WrittenObjective>")]
+    pub(super) objectives: Vec<toml::Value>,
     /// Conditions of a fit point, such as `quality.psnr_db >= 30`.
     #[serde(default)]
     pub(super) constraints: Vec<String>,
@@ -54,7 +55,7 @@ pub(super) struct PlanFile {
 #[serde(untagged, expecting = "expected the name of an input, such as \"demo:golf-ball\", or a list of them")]
 pub(super) enum InputList {
     One(String),
-    Several(Vec<String>),
+    Several(#[schemars(with = "Vec<String>")] Vec<toml::Value>),
 }
 
 #[derive(Debug, Deserialize, JsonSchema)]
@@ -103,21 +104,33 @@ enum WrittenGoal {
     Max,
 }
 
+impl ObjectiveFields {
+    fn objective(self) -> Objective {
+        let goal = match self.goal {
+            WrittenGoal::Min => ObjectiveDirection::Min,
+            WrittenGoal::Max => ObjectiveDirection::Max,
+        };
+        Objective { column: self.figure, goal }
+    }
+}
+
 impl PlanFile {
-    pub(super) fn parse(text: &str) -> Result<Self, String> {
-        toml::from_str(text).map_err(|error| {
-            let names: Vec<&str> = error.message().split('`').skip(1).step_by(2).collect();
-            let misspelt = error.message().starts_with("unknown ");
-            let near = names.split_first().filter(|_| misspelt).and_then(|(given, known)| nearest(given, known.iter().copied()));
-            let hint = near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
-            format!("{}{hint}", syntax(text, &error))
-        })
+    pub(super) fn parse(text: &str) -> Result<Self, TomlFault> {
+        toml::from_str(text).map_err(|error| TomlFault::of_reader(text, &error))
     }
 
-    pub(super) fn inputs(&self) -> Vec<String> {
+    /// Returns the inputs, each with its path in the plan.
+    pub(super) fn inputs(&self) -> Result<Vec<(Vec<String>, String)>, TomlFault> {
+        let input = |(number, value): (usize, &toml::Value)| match value.as_str() {
+            Some(input) => Ok((vec!["input".into(), number.to_string()], input.to_owned())),
+            None => {
+                let message = format!("is {value}, expected the name of an input, such as \"demo:golf-ball\"");
+                Err(fault_in("input", number, message))
+            }
+        };
         match &self.input {
-            InputList::One(input) => vec![input.clone()],
-            InputList::Several(inputs) => inputs.clone(),
+            InputList::One(input) => Ok(vec![(vec!["input".into()], input.clone())]),
+            InputList::Several(inputs) => inputs.iter().enumerate().map(input).collect(),
         }
     }
 
@@ -129,21 +142,25 @@ impl PlanFile {
         }
     }
 
-    pub(super) fn objectives(&self) -> Result<Vec<Objective>, String> {
-        let objective = |written: &WrittenObjective| match written {
-            WrittenObjective::Text(text) => text.parse().map_err(|error| format!("objectives: {error}")),
-            WrittenObjective::Fields(ObjectiveFields { figure, goal }) => Ok(Objective {
-                column: figure.clone(),
-                goal: match goal {
-                    WrittenGoal::Min => ObjectiveDirection::Min,
-                    WrittenGoal::Max => ObjectiveDirection::Max,
-                },
-            }),
+    pub(super) fn objectives(&self) -> Result<Vec<Objective>, TomlFault> {
+        let objective = |(number, value): (usize, &toml::Value)| {
+            // The reader gives elements of lists that fit no alternative no place.
+            let written = WrittenObjective::deserialize(value.clone());
+            match written.map_err(|error| fault_in("objectives", number, error.message()))? {
+                WrittenObjective::Text(text) => text.parse().map_err(|error| fault_in("objectives", number, error)),
+                WrittenObjective::Fields(fields) => Ok(fields.objective()),
+            }
         };
-        self.objectives.iter().map(objective).collect()
+        self.objectives.iter().enumerate().map(objective).collect()
     }
 
-    pub(super) fn constraints(&self) -> Result<Vec<Constraint>, String> {
-        self.constraints.iter().map(|text| text.parse().map_err(|error| format!("constraints: {error}"))).collect()
+    pub(super) fn constraints(&self) -> Result<Vec<Constraint>, TomlFault> {
+        let constraint = |(number, text): (usize, &String)| text.parse().map_err(|error| fault_in("constraints", number, error));
+        self.constraints.iter().enumerate().map(constraint).collect()
     }
+}
+
+/// Returns the error of an element of a list.
+pub(super) fn fault_in(list: &str, number: usize, error: impl Display) -> TomlFault {
+    TomlFault::new(&[list, &number.to_string()], format!("{list}: {error}"))
 }

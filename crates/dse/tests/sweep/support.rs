@@ -1,6 +1,6 @@
 //! A program around a sweep, for tests: demos, display lists in memory, a disk that can fill up.
 
-use basrelief_dse::{OpenedInput, Plan, SweepFolder, SweepHost, SweepJob, SweepProgress, execute, tables};
+use basrelief_dse::{OpenError, OpenedInput, Plan, SweepFolder, SweepHost, SweepJob, SweepProgress, execute, tables};
 use basrelief_input::MemoryPool;
 use basrelief_reference::RgbPicture;
 use basrelief_scene::{ViewOptions, demo};
@@ -10,6 +10,9 @@ use std::io::{self, Cursor};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Fields that every plan needs.
+pub const HEAD: &str = "input = \"demo:ellipsoid@1\"\nmachine = \"bump\"\nobjectives = [\"cycles min\"]\n";
 
 /// The program.
 pub struct Program {
@@ -29,19 +32,20 @@ impl Program {
 }
 
 impl SweepHost for Program {
-    fn open(&self, name: &str, view: &[(String, String)]) -> Result<OpenedInput, String> {
+    fn open(&self, name: &str, view: &[(String, String)]) -> Result<OpenedInput, OpenError> {
         if name == "quad.dl.jsonl" {
             return Ok(OpenedInput::Trace);
         }
-        let Some(name) = name.strip_prefix("demo:") else { return Err(format!("input: {name}: cannot be read")) };
-        if let Some((name, _)) = view.iter().find(|(name, _)| !["frames", "turn"].contains(&name.as_str())) {
-            return Err(format!("view: no option is called `{name}`"));
+        let Some(name) = name.strip_prefix("demo:") else { return Err(OpenError::Input(format!("{name}: cannot be read"))) };
+        if let Some((name, _)) = view.iter().find(|(name, _)| !["frames", "orbit", "turn"].contains(&name.as_str())) {
+            return Err(OpenError::View { option: name.clone(), message: format!("no option is called `{name}`") });
         }
         let value = |option: &str| view.iter().find(|(name, _)| name == option).map(|(_, value)| value.as_str());
         let frames = value("frames").map(|frames| frames.parse().unwrap());
         let turn = value("turn").and_then(|turn| turn.split_once(',')).map(|(x, y)| [x, y].map(|angle| angle.parse().unwrap()));
-        let options = ViewOptions { size: [40, 30], frames, turn, ..ViewOptions::default() };
-        let scene = demo(name, &options).map_err(|error| format!("input: {error}"))?;
+        let orbit_degrees = value("orbit").map(|degrees| degrees.parse().unwrap());
+        let options = ViewOptions { size: [40, 30], frames, turn, orbit_degrees, ..ViewOptions::default() };
+        let scene = demo(name, &options).map_err(|error| OpenError::at_place(&error.place, view, error.to_string()))?;
         Ok(OpenedInput::Scene(PreparedScene::cached(Arc::new(scene), &self.budget)))
     }
 
