@@ -51,13 +51,13 @@ impl OpenError {
         Self::View { option: option.into(), message }
     }
 
-    /// Creates the error of a place in a scene: of the view option that the place names, such as `camera` in `/camera/to_light`, or of
-    /// the input if the view has no such option.
-    pub fn at_place(place: &str, view: &[(String, String)], message: String) -> Self {
+    /// Creates the error of a place in a scene. If the place is an option of the view, such as `camera` in `/camera/to_light`, the error is
+    /// that of the option and has the message `of_option`. Otherwise, it is that of the input and has the message `of_input`.
+    pub fn at_place(place: &str, view: &[(String, String)], of_option: String, of_input: String) -> Self {
         let name = place.trim_start_matches('/').split('/').next().unwrap_or_default();
         match view.iter().find(|(option, _)| option == name) {
-            Some((option, _)) => Self::View { option: option.clone(), message },
-            None => Self::Input(message),
+            Some((option, _)) => Self::View { option: option.clone(), message: of_option },
+            None => Self::Input(of_input),
         }
     }
 }

@@ -39,7 +39,8 @@ pub(crate) fn error_text(error: &serde_json::Error) -> String {
 /// assert_eq!(message, "the text \"x\" stands here, expected a number");
 /// ```
 pub fn plain_message(message: &str, format: TextFormat) -> String {
-    if message == "wanted string or table" {
+    // Messages of the TOML reader about a name that is a number or a table.
+    if ["wanted string or table", "expected table, found ", "expected empty "].iter().any(|start| message.starts_with(start)) {
         return format!("expected {ONE_OF_ITS_NAMES}");
     }
     let Some((found, expected)) = message.rsplit_once(", expected ") else { return shorten(message) };
@@ -85,7 +86,7 @@ fn found_text(found: &str, format: TextFormat) -> String {
         "null" | "unit value" => "null".into(),
         "unit variant" => "a name alone".into(),
         _ => match (number, found.strip_prefix("string "), found.strip_prefix("boolean ")) {
-            (Some(number), ..) => format!("the number {}", number.trim_matches('`')),
+            (Some(number), ..) => format!("the number {}", number.split('`').nth(1).unwrap_or(number)),
             (_, Some(text), _) => format!("the text {}", shorten(text)),
             (.., Some(value)) => value.trim_matches('`').into(),
             _ => shorten(found),
@@ -103,6 +104,7 @@ fn expected_text(expected: &str, format: TextFormat) -> String {
         "u16" => format!("a whole number 0..={}", u16::MAX),
         "u32" => format!("a whole number 0..={}", u32::MAX),
         "u64" | "usize" => format!("a whole number 0..={}", u64::MAX),
+        "a nonzero u64" => format!("a whole number 1..={}", u64::MAX),
         "i64" => format!("a whole number {}..={}", i64::MIN, i64::MAX),
         "a boolean" => "true or false".into(),
         "a string" => "a text in quotes".into(),
@@ -143,6 +145,8 @@ mod tests {
                 "invalid type: integer `3`, expected string or map",
                 "the number 3 stands here, expected one of its names in quotes",
             ),
+            ("invalid type: integer `9` as i128, expected f64", "the number 9 stands here, expected a number"),
+            ("expected table, found integer", "expected one of its names in quotes"),
             ("wanted string or table", "expected one of its names in quotes"),
             ("invalid length 1, expected an array of length 2", "a list of 1 stands here, expected a list of 2"),
             ("unknown variant `a`, expected `b` or `c`", "unknown value `a`, expected `b` or `c`"),

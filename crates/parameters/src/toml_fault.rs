@@ -2,6 +2,7 @@
 
 use crate::nearest;
 use basrelief_input::{TextFormat, plain_message};
+use std::fmt::Display;
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -20,6 +21,16 @@ impl TomlFault {
         Self { field: field.iter().map(|name| name.as_ref().to_owned()).collect(), message: message.into() }
     }
 
+    /// Creates an error whose message begins with the field.
+    pub fn at(field: &[impl AsRef<str>], error: impl Display) -> Self {
+        let mut fault = Self::new(field, "");
+        fault.message = match field {
+            [] => error.to_string(),
+            _ => format!("{}: {error}", path_text(&fault.field)),
+        };
+        fault
+    }
+
     /// Creates an error of the parameter with this dotted name; `None` if no parameter is at fault.
     pub fn of_parameter(key: Option<&str>, message: impl Into<String>) -> Self {
         Self::new(key.as_slice(), message)
@@ -34,8 +45,7 @@ impl TomlFault {
         // The reader passes a date as a map.
         let message = if is_date { error.message().replacen("type: map", "type: a date", 1) } else { error.message().to_owned() };
         let message = plain_message(&message, TextFormat::Toml);
-        let place = if field.is_empty() { String::new() } else { format!("{}: ", path_text(&field)) };
-        Self { message: format!("{place}{message}{}", nearest_hint(error.message())), field }
+        Self::at(&field, message + &nearest_hint(error.message()))
     }
 
     /// Returns the message, after the line of the field if the text gives the field.

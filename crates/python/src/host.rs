@@ -6,7 +6,7 @@ use basrelief_dse::{OpenError, OpenedInput, SweepHost, SweepProgress};
 use basrelief_input::MemoryPool;
 use basrelief_outputs::PartialFile;
 use basrelief_reference::RgbPicture;
-use basrelief_scene::{ImportOptions, demo, load_path_with};
+use basrelief_scene::{ImportOptions, SceneError, demo, load_path_with};
 use basrelief_sim::{PreparedScene, RunInput, reason_and_cure, to_png};
 use pyo3::{PyErr, Python};
 use std::io::{self, ErrorKind};
@@ -38,10 +38,13 @@ impl PlanFiles {
             view.options(budget).map(|resolved| (view, resolved)).map_err(|error| error.to_string())
         };
         let (view, resolved) = OpenError::in_view(options, resolved)?;
+        let at_place = |error: &SceneError, of_input: String| {
+            OpenError::at_place(&error.place, options, error.in_option().to_string(), of_input)
+        };
         let kept = |scene| OpenedInput::Scene(PreparedScene::cached(Arc::new(scene), budget));
         if let Some(name) = name.strip_prefix("demo:") {
             let opened = demo(name, &resolved).map(kept);
-            return opened.map_err(|error| OpenError::at_place(&error.place, options, error.to_string()));
+            return opened.map_err(|error| at_place(&error, error.to_string()));
         }
         let path = self.path_of(name);
         if DisplayList::of_plan(&path).is_one().map_err(|error| OpenError::Input(error.to_string()))? {
@@ -52,7 +55,7 @@ impl PlanFiles {
         let import = ImportOptions { budget: budget.clone(), ..ImportOptions::default() };
         let (scene, held) = load_path_with(&path, &resolved, &import).map_err(|error| {
             let within = if error.file == shown { String::new() } else { format!("{shown}: ") };
-            OpenError::at_place(&error.place, options, format!("{within}{error}"))
+            at_place(&error, format!("{within}{error}"))
         })?;
         // Released with the memory limit of the plan.
         held.keep_forever();

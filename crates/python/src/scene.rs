@@ -42,18 +42,15 @@ impl ViewArguments {
     ) -> Result<Self, String> {
         let mut view = Self::default();
         for (name, value) in options {
-            let failed = |error: String| format!("{name}: {error}");
             match name.as_str() {
-                "size" => {
-                    view.size = Some(text::size(value).map(|[width, height]| (width.into(), height.into())).map_err(failed)?)
-                }
+                "size" => view.size = Some(text::size(value).map(|[width, height]| (width.into(), height.into()))?),
                 "camera" => view.camera = Some(camera(value).map_err(|error| error.to_string())?),
-                "turn" => view.turn = Some(text::angles(value).map_err(failed)?),
-                "zoom" => view.zoom = Some(text::finite(value).map_err(failed)?),
-                "frames" => view.frames = Some(value.parse().map_err(|_| failed("expected a whole number".into()))?),
-                "orbit" => view.orbit = Some(text::finite(value).map_err(failed)?),
-                "light" => view.light = Some(text::direction(value).map_err(failed)?),
-                "light_orbit" => view.light_orbit = Some(text::finite(value).map_err(failed)?),
+                "turn" => view.turn = Some(text::angles(value)?),
+                "zoom" => view.zoom = Some(text::finite(value)?),
+                "frames" => view.frames = Some(value.parse().map_err(|_| "expected a whole number")?),
+                "orbit" => view.orbit = Some(text::finite(value)?),
+                "light" => view.light = Some(text::direction(value)?),
+                "light_orbit" => view.light_orbit = Some(text::finite(value)?),
                 _ => {
                     let hint =
                         nearest(name, OPTIONS.into_iter()).map_or_else(String::new, |near| format!("; did you mean `{near}`?"));

@@ -167,6 +167,8 @@ def test_invalid_plan_has_the_error_of_the_program(
         ("cycles min", "cycels min"),
         ('"96x72"', '"96"'),
         ("turn", "turned"),
+        ("[view]", "[[view]]"),
+        ("cycles min", "cycles least"),
         ("patch.obj", "none.obj"),
         ("demo:ellipsoid@2", "demo:teapot"),
         ("[axes]", "[axes"),
@@ -176,7 +178,7 @@ def test_invalid_plan_has_the_error_of_the_program(
         with pytest.raises(basrelief.InputError) as raised:
             basrelief.sweep("plan.toml", client)
         # Package and program describe the options and the form of a view in different words.
-        words = str(raised.value).partition(" (basrelief.scene")[0].rpartition("view: size: ")[2]
+        words = str(raised.value).partition(" (basrelief.scene")[0].rpartition("view.size: ")[2]
         assert words in said, f"{raised.value}\n{said}"
         assert not (plan.parent / "out").exists()
 

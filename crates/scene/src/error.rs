@@ -59,6 +59,13 @@ impl SceneError {
         self
     }
 
+    /// Returns the error as one of a view option: without the file, and without the name of the option in the place.
+    #[must_use]
+    pub fn in_option(&self) -> Self {
+        let inside: Vec<&str> = self.place.trim_start_matches('/').split('/').skip(1).collect();
+        Self { file: String::new(), place: inside.join("/"), ..self.clone() }
+    }
+
     /// Adds earlier warnings, which may name the reason.
     #[must_use]
     pub(crate) fn with_notes(mut self, notes: &[String]) -> Self {

@@ -178,8 +178,8 @@ impl SweepHost for SweepProgram<'_> {
         }
         let Some(trace) = open_trace(&path).map_err(|error| OpenError::Input(error.to_string()))? else {
             let scene = open_scene(&path, &options, self.global).map_err(|error| {
-                let place = error.place.clone();
-                OpenError::at_place(&place, view, scene_error(&path)(error).to_string())
+                let (place, of_option) = (error.place.clone(), error.in_option().to_string());
+                OpenError::at_place(&place, view, of_option, scene_error(&path)(error).to_string())
             })?;
             return Ok(OpenedInput::Scene(PreparedScene::cached(scene, &self.global.budget)));
         };

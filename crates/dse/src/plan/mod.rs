@@ -112,7 +112,7 @@ impl Plan {
             axes: axes::axes(&written.axes, &written.zip, &positions)?,
             objectives: written.objectives()?,
             constraints: written.constraints()?,
-            max_cycles: written.max_cycles.unwrap_or(u64::MAX),
+            max_cycles: written.max_cycles.map_or(u64::MAX, u64::from),
             exact: true,
             points: vec![],
             base: Overrides { toml: base, settings: vec![] },

@@ -40,15 +40,14 @@ impl<'a> PlanView<'a> {
 
     /// Returns the error of an option.
     fn fault(&self, option: &str, message: &str) -> TomlFault {
-        let in_view = || TomlFault::new(&["view", option], format!("view: {message}"));
+        let in_view = || TomlFault::at(&["view", option], message);
         let Some((number, own)) = self.own else { return in_view() };
-        let in_views =
-            |path: &[&str]| TomlFault::new(&[&["views", &number.to_string()], path].concat(), format!("views: {message}"));
+        let number = number.to_string();
         match own.contains_key(option) {
-            true => in_views(&[option]),
+            true => TomlFault::at(&["views", &number, option], message),
             false if self.common.contains_key(option) => in_view(),
             // The option is `frames` with its default.
-            false => in_views(&[]),
+            false => TomlFault::at(&["views", &number], message),
         }
     }
 }
@@ -69,28 +68,31 @@ pub(super) fn open_seen(
     let opened = views.iter().map(open).collect::<Result<Vec<_>, _>>()?;
     match opened.as_slice() {
         [one] => Ok(one.clone()),
-        several => joined(several, host).map_err(|error| TomlFault::new(&["views"], format!("views: {name}: {error}"))),
+        several => joined(several, host).map_err(|(number, error)| {
+            let number = number.to_string();
+            TomlFault::at(&["views", &number], format!("{name}: {error}"))
+        }),
     }
 }
 
-/// Returns one scene with the frames of all views.
-fn joined(opened: &[OpenedInput], host: &dyn SweepHost) -> Result<OpenedInput, String> {
-    let scene = |input: &OpenedInput| match input {
+/// Returns one scene with the frames of all views. An error has the number of the wrong view.
+fn joined(opened: &[OpenedInput], host: &dyn SweepHost) -> Result<OpenedInput, (usize, String)> {
+    let scene = |(number, input): (usize, &OpenedInput)| match input {
         OpenedInput::Scene(prepared) => Ok(Arc::clone(prepared.scene())),
-        OpenedInput::Trace => Err("a trace has its own view; remove `views`".to_owned()),
+        OpenedInput::Trace => Err((number, "is a trace, which has its own view; remove `views`".to_owned())),
     };
-    let scenes = opened.iter().map(scene).collect::<Result<Vec<_>, _>>()?;
+    let scenes = opened.iter().enumerate().map(scene).collect::<Result<Vec<_>, _>>()?;
+    let size = |scene: &Scene| scene.frames.first().map(|frame| (frame.width, frame.height));
+    let sizes: Vec<_> = scenes.iter().filter_map(|scene| size(scene)).collect();
+    if let Some(other) = sizes.iter().position(|size| *size != sizes[0]) {
+        let ((width, height), (first_width, first_height)) = (sizes[other], sizes[0]);
+        let message = format!("has the size {width}x{height}; expected {first_width}x{first_height}, as in the first view");
+        return Err((other, message));
+    }
     let all = scenes.iter().flat_map(|scene| &scene.frames);
     let frames: Vec<Arc<Frame>> = (0..).zip(all).map(|(index, frame)| Arc::new(Frame { index, ..(**frame).clone() })).collect();
-    let mut sizes: Vec<(u32, u32)> = frames.iter().map(|frame| (frame.width, frame.height)).collect();
-    sizes.dedup();
-    match (scenes.first(), sizes.as_slice()) {
-        (Some(first), [_]) => {
-            let joined = Scene { frames, ..(**first).clone() };
-            Ok(OpenedInput::Scene(PreparedScene::cached(Arc::new(joined), host.budget())))
-        }
-        _ => Err(format!("have the sizes {sizes:?}; expected one size for all views")),
-    }
+    let joined = Scene { frames, ..(*scenes[0]).clone() };
+    Ok(OpenedInput::Scene(PreparedScene::cached(Arc::new(joined), host.budget())))
 }
 
 /// A value as the command line takes it.

@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use std::fmt::Display;
+use std::num::NonZeroU64;
 use toml::Table;
 
 /// The plan file. docs/guide/sweep-and-explore.md describes its fields.
@@ -28,7 +29,7 @@ pub(super) struct PlanFile {
     #[schemars(with = "Option<Vec<Map<String, Value>>>", length(min = 1))]
     pub(super) views: Option<Vec<Table>>,
     /// Cycles after which a run stops.
-    pub(super) max_cycles: Option<u64>,
+    pub(super) max_cycles: Option<NonZeroU64>,
     /// Parameters and their values.
     #[serde(default)]
     #[schemars(with = "Map<String, Value>")]

@@ -78,8 +78,9 @@ fn plan_errors_precede_the_first_run() {
 #[test]
 fn wrong_types_are_named_in_plain_words() {
     let cases = [
-        ("max_cycles = -1", "line 4: max_cycles: the number -1 stands here, expected a whole number 0..=18446744073709551615"),
+        ("max_cycles = -1", "line 4: max_cycles: the number -1 stands here, expected a whole number "),
         ("max_cycles = 1.5", "line 4: max_cycles: the number 1.5 stands here, expected a whole number"),
+        ("max_cycles = 0", "line 4: max_cycles: the number 0 stands here, expected a whole number 1..=18446744073709551615"),
         ("title = 3", "line 4: title: the number 3 stands here, expected a text in quotes"),
         ("title = 1979-05-27", "line 4: title: a date stands here, expected a text in quotes"),
         ("view = 3", "line 4: view: the number 3 stands here, expected a table"),
@@ -110,14 +111,16 @@ fn wrong_types_are_named_in_plain_words() {
 #[test]
 fn wrong_view_option_has_the_line_of_its_key() {
     let cases = [
-        ("[view]\nframes = 1\nsise = 1", "line 6: view: no option is called `sise`"),
-        ("[view]\nsise = 1\n[[views]]\nframes = 1", "line 5: view: no option is called `sise`"),
-        ("[view]\nframes = 1\n[[views]]\n[[views]]\nsise = 1", "line 8: views: no option is called `sise`"),
-        ("views = [\n{ turn = \"1,2\" },\n{ sise = 1 }]", "line 6: views: no option is called `sise`"),
-        ("[[views]]\n[[views]]\norbit = 30", "line 6: views: orbit: 30; expected 0 with a single frame"),
-        ("[view]\norbit = 30\n[[views]]\n", "line 5: view: orbit: 30; expected 0 with a single frame"),
+        ("[view]\nframes = 1\nsise = 1", "line 6: view.sise: no option is called `sise`"),
+        ("[view]\nsise = 1\n[[views]]\nframes = 1", "line 5: view.sise: no option is called `sise`"),
+        ("[view]\nframes = 1\n[[views]]\n[[views]]\nsise = 1", "line 8: views[1].sise: no option is called `sise`"),
+        ("views = [\n{ turn = \"1,2\" },\n{ sise = 1 }]", "line 6: views[1].sise: no option is called `sise`"),
+        ("[[views]]\n[[views]]\norbit = 30", "line 6: views[1].orbit: 30; expected 0 with a single frame"),
+        ("[view]\norbit = 30\n[[views]]\n", "line 5: view.orbit: 30; expected 0 with a single frame"),
     ];
     says(cases.map(|(rest, expected)| (format!("{HEAD}{rest}\n"), expected)));
+    let trace = HEAD.replace("demo:ellipsoid@1", "quad.dl.jsonl");
+    says([(format!("{trace}views = [{{}},\n{{}}]"), "line 4: views[0]: quad.dl.jsonl: is a trace, which has its own view")]);
 }
 
 #[test]

@@ -45,7 +45,8 @@ impl SweepHost for Program {
         let turn = value("turn").and_then(|turn| turn.split_once(',')).map(|(x, y)| [x, y].map(|angle| angle.parse().unwrap()));
         let orbit_degrees = value("orbit").map(|degrees| degrees.parse().unwrap());
         let options = ViewOptions { size: [40, 30], frames, turn, orbit_degrees, ..ViewOptions::default() };
-        let scene = demo(name, &options).map_err(|error| OpenError::at_place(&error.place, view, error.to_string()))?;
+        let scene = demo(name, &options)
+            .map_err(|error| OpenError::at_place(&error.place, view, error.in_option().to_string(), error.to_string()))?;
         Ok(OpenedInput::Scene(PreparedScene::cached(Arc::new(scene), &self.budget)))
     }
 
