@@ -23,6 +23,7 @@ mod opengl;
 mod outputs;
 mod pages;
 mod pictures;
+mod plan_errors;
 mod recordings;
 mod relay;
 mod remote;

@@ -245,12 +245,12 @@ fn wrong_plan_is_named_with_cure() {
         assert!(outcome.error(code).contains(expected), "{}", outcome.err);
         assert!(!place.path("out").exists());
     };
-    says("size =", "sise =", 1, "wrong.toml: line 7: view.sise: no option is called `sise`; did you mean `size`?");
+    says("size =", "sise =", 1, "wrong.toml: line 8: view.sise: no option is called `sise`; did you mean `size`?");
     says(
         "\"96x72\"",
         "\"96\"",
         1,
-        "wrong.toml: line 7: view.size: invalid value '96' for '--size <WIDTHxHEIGHT>': expected WIDTHxHEIGHT",
+        "wrong.toml: line 8: view.size: invalid value '96' for '--size <WIDTHxHEIGHT>': expected WIDTHxHEIGHT",
     );
     says("demo:ellipsoid@2", "none.gltf", 1, "wrong.toml: line 3: input: none.gltf: cannot be read");
     says(
