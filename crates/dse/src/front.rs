@@ -4,13 +4,18 @@
 //! Pareto-optimal; together they are the Pareto front. Only [`candidates`] count: rows that have run, keep every constraint and have a finite number for every
 //! objective. Of points that are equal by every objective, the one with the smallest area is on the front, and the first of equal
 //! areas; the others are its [ties](FrontPoint::ties).
+//!
+//! A table of several inputs has one front per input: another scene is no better design.
 
 use crate::rules::ObjectiveDirection;
-use crate::table::{Cell, Table};
+use crate::table::{Cell, ColumnRole, Table};
 use std::cmp::Ordering;
+use std::collections::BTreeMap;
 
 /// Column of the area.
 const AREA: &str = "hardware.area_ge";
+/// Column of the inputs, in tables of several inputs.
+pub(crate) const INPUT: &str = "input";
 
 /// A point of a front.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -73,8 +78,39 @@ pub(crate) fn front_by(table: &Table, objectives: &[(usize, ObjectiveDirection)]
     points_by(table, objectives).into_iter().map(|point| point.row).collect()
 }
 
+/// Returns the column of the inputs of a table of several inputs.
+pub(crate) fn input_column(table: &Table) -> Option<usize> {
+    table.columns.iter().position(|column| column.name == INPUT && column.role == ColumnRole::Axis)
+}
+
+/// Returns the number of each row's input, in order of the rows; 0 if there is only one.
+pub(crate) fn input_numbers(table: &Table) -> Vec<usize> {
+    let Some(column) = input_column(table) else { return vec![0; table.rows.len()] };
+    let mut seen: Vec<&Cell> = vec![];
+    let number = |row: usize| {
+        let cell = table.rows[row].cells.get(column).unwrap_or(&Cell::Missing);
+        seen.iter().position(|known| *known == cell).unwrap_or_else(|| {
+            seen.push(cell);
+            seen.len() - 1
+        })
+    };
+    (0..table.rows.len()).map(number).collect()
+}
+
 fn points_by(table: &Table, objectives: &[(usize, ObjectiveDirection)]) -> Vec<FrontPoint> {
-    let (rows, costs): (Vec<usize>, Vec<Vec<f64>>) = candidates_by(table, objectives).into_iter().unzip();
+    let inputs = input_numbers(table);
+    let mut of_inputs: BTreeMap<usize, Vec<(usize, Vec<f64>)>> = BTreeMap::new();
+    for (row, costs) in candidates_by(table, objectives) {
+        of_inputs.entry(inputs[row]).or_default().push((row, costs));
+    }
+    let mut points: Vec<FrontPoint> = of_inputs.into_values().flat_map(|of_input| points_among(table, of_input)).collect();
+    points.sort_by_key(|point| point.row);
+    points
+}
+
+/// Returns the Pareto-optimal rows among these, each with its costs.
+fn points_among(table: &Table, candidates: Vec<(usize, Vec<f64>)>) -> Vec<FrontPoint> {
+    let (rows, costs): (Vec<usize>, Vec<Vec<f64>>) = candidates.into_iter().unzip();
     let area_column = table.columns.iter().position(|column| column.name == AREA);
     let area = |at: usize| area_column.and_then(|column| table.rows[rows[at]].cells[column].number()).unwrap_or(f64::INFINITY);
     let mut optimal = nondominated(&costs);
@@ -84,9 +120,7 @@ fn points_by(table: &Table, objectives: &[(usize, ObjectiveDirection)]) -> Vec<F
         ties.sort_unstable();
         FrontPoint { row: rows[equal[0]], ties }
     };
-    let mut points: Vec<FrontPoint> = optimal.chunk_by(|&a, &b| costs[a] == costs[b]).map(point).collect();
-    points.sort_by_key(|point| point.row);
-    points
+    optimal.chunk_by(|&a, &b| costs[a] == costs[b]).map(point).collect()
 }
 
 /// Returns true if costs `a` are at most costs `b` everywhere, and less somewhere.
@@ -151,7 +185,7 @@ pub(crate) fn lexicographic(a: &[f64], b: &[f64]) -> Ordering {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Column, ColumnRole, PointState, Row};
+    use crate::{Column, PointState, Row};
     use proptest::prelude::*;
 
     /// Generates costs with few different values, so that ties occur.
@@ -217,6 +251,25 @@ mod tests {
         let table = Table { columns, rows, ..Table::default() };
         assert_eq!(front_points(&table), [FrontPoint { row: 2, ties: vec![0, 3, 4] }]);
         assert_eq!(front(&table), [2]);
+    }
+
+    // Claim: analysis: Points of different inputs do not dominate each other.
+    #[test]
+    fn each_input_has_its_own_front() {
+        let column = |name: &str, role| Column { name: name.into(), unit: "".into(), role, what: "".into() };
+        let row = |cycles, input: &str| Row {
+            id: "".into(),
+            state: PointState::Ok,
+            cells: vec![Cell::Whole(cycles), Cell::Text(input.into())],
+            picture: None,
+        };
+        let columns = vec![column("cycles", ColumnRole::Objective(ObjectiveDirection::Min)), column(INPUT, ColumnRole::Axis)];
+        let rows = vec![row(5, "ball"), row(90, "room"), row(7, "ball"), row(80, "room"), row(5, "room"), row(5, "ball")];
+        let mut table = Table { columns, rows, ..Table::default() };
+        assert_eq!(input_numbers(&table), [0, 1, 0, 1, 1, 0]);
+        assert_eq!(front_points(&table), [FrontPoint { row: 0, ties: vec![5] }, FrontPoint { row: 4, ties: vec![] }]);
+        table.columns.pop();
+        assert_eq!(front_points(&table), [FrontPoint { row: 0, ties: vec![4, 5] }]);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use crate::figures::{ReportFigure, figures};
 use crate::folder::publish;
+use crate::front::{INPUT, input_column, input_numbers};
 use crate::plan::{Plan, PlanPoint};
 use crate::{Cell, Column, ColumnRole, ObjectiveDirection, PageOptions, PointState, Row, Table, front, page, vega, write};
 use crate::{PointStatus, SweepError, SweepFolder, SweepHost};
@@ -90,9 +91,6 @@ pub(crate) fn table_of(plan: &Plan, points: &[&PlanPoint], folder: &SweepFolder)
     Ok(table)
 }
 
-/// Name of the column of inputs, for plans with several inputs.
-const INPUT: &str = "input";
-
 /// Names and values of a point's input and axes.
 fn axis_cells<'a>(plan: &'a Plan, point: &'a PlanPoint) -> impl Iterator<Item = (&'a str, Cell)> {
     let input = (plan.inputs.len() > 1).then(|| (INPUT, Cell::Text(plan.inputs[point.input].name.clone())));
@@ -140,7 +138,8 @@ fn front_text(table: &Table) -> String {
     let kept: Vec<String> = table.constraints.iter().map(ToString::to_string).collect();
     let keep = if kept.is_empty() { String::new() } else { format!(" that keep {}", kept.join(", ")) };
     let are = if points == 1 { "is" } else { "are" };
-    let mut text = format!("{}\n{points} of {of} points{keep} {are} Pareto-optimal\n", table.title);
+    let among = if input_column(table).is_some() { ", each among the points of its input" } else { "" };
+    let mut text = format!("{}\n{points} of {of} points{keep} {are} Pareto-optimal{among}\n", table.title);
     let ties: usize = front.iter().map(|point| point.ties.len()).sum();
     if ties > 0 {
         let _ =
@@ -154,8 +153,9 @@ fn front_text(table: &Table) -> String {
         ColumnRole::Axis | ColumnRole::Figure => table.columns[at].header(),
     };
     let cost = |row: usize| shown.first().and_then(|&at| table.rows[row].cells[at].number()).unwrap_or(f64::NAN);
+    let inputs = input_numbers(table);
     // Stable: of equals the first of the plan is first.
-    front.sort_by(|a, b| cost(a.row).total_cmp(&cost(b.row)));
+    front.sort_by(|a, b| inputs[a.row].cmp(&inputs[b.row]).then(cost(a.row).total_cmp(&cost(b.row))));
     let line = |row: usize, is_tie: bool| {
         let cell = |&at: &usize| {
             if is_tie && objectives.contains(&at) { "=".into() } else { table.rows[row].cells[at].to_string() }

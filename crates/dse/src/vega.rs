@@ -1,6 +1,6 @@
 //! A sweep as a Vega-Lite specification: to be opened in the Vega editor, in a notebook, or with `vl-convert`.
 
-use crate::front::front_by;
+use crate::front::{front_by, input_column};
 use crate::levels::{logarithmic, range};
 use crate::rules::ObjectiveDirection;
 use crate::table::{Column, ColumnRole, PointState, Table};
@@ -31,6 +31,8 @@ pub fn vega(table: &Table) -> Value {
         colour["scale"]["scheme"] = "viridis".into();
         colour["scale"]["reverse"] = true.into();
     }
+    // One line for each input.
+    let apart = input_column(table).map_or(json!({}), |at| json!({ "detail": { "field": field(&table.columns[at].name) } }));
     json!({
         "$schema": SCHEMA,
         "title": table.title,
@@ -42,6 +44,7 @@ pub fn vega(table: &Table) -> Value {
             {
                 "transform": [{ "filter": "datum.line" }],
                 "mark": { "type": "line", "interpolate": stair(table), "color": "#b8432c" },
+                "encoding": apart,
             },
             {
                 "mark": { "type": "point", "filled": true },

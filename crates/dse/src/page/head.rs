@@ -3,6 +3,7 @@
 use super::data::SweepView;
 use super::labels;
 use crate::ObjectiveSpace;
+use crate::front::input_column;
 use crate::rules::ObjectiveDirection;
 use crate::table::{Cell, PointState};
 use basrelief_report::html::big_numbers;
@@ -61,11 +62,12 @@ fn summary(sweep: &SweepView<'_>) -> String {
     }
     let objectives: Vec<String> = table.objectives().map(|(at, goal)| format!("{} {goal}", table.columns[at].name)).collect();
     let front = sweep.front.len();
+    let among = if input_column(table).is_some() { " among the points of their input" } else { "" };
     says += &match (objectives.len(), front) {
         (0, _) => "No objective is named, so no point is better than another.".into(),
         (_, 0) => format!("No completed point meets the constraints for {}.", objectives.join(", ")),
         (_, 1) => format!("One point is Pareto-optimal for {}.", objectives.join(", ")),
-        _ => format!("{} are Pareto-optimal for {}.", thousands(front as u64), objectives.join(", ")),
+        _ => format!("{} are Pareto-optimal{among} for {}.", thousands(front as u64), objectives.join(", ")),
     };
     match sweep.ties(None) {
         0 => says,
@@ -74,8 +76,12 @@ fn summary(sweep: &SweepView<'_>) -> String {
     }
 }
 
-/// Returns the hypervolume with its space. It is empty for a front of one point, or if the computation would take too long.
+/// Returns the hypervolume with its space. It is empty for a front of one point, for several fronts, or if the computation would take too
+/// long.
 fn volume(sweep: &SweepView<'_>) -> Html {
+    if input_column(sweep.table).is_some() {
+        return Html::default();
+    }
     let costs: Vec<Vec<f64>> = crate::candidates(sweep.table).into_iter().map(|(_, costs)| costs).collect();
     let share = ObjectiveSpace::of(&costs).filter(|_| sweep.front.len() > 1).and_then(|space| space.hypervolume(&costs));
     share.map_or_else(Html::default, |share| {

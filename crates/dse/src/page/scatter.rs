@@ -3,7 +3,7 @@
 use super::data::{COLOURS, SweepView, colour};
 use super::labels::{self, shortened};
 use super::scale::{ColumnScale, WHOLE};
-use crate::front::front_by;
+use crate::front::{front_by, input_column, input_numbers};
 use crate::rules::ObjectiveDirection;
 use crate::table::ColumnRole;
 use basrelief_report::html::markup::{Html, el, el_text, text};
@@ -46,8 +46,14 @@ fn about(sweep: &SweepView<'_>) -> String {
             "Drawn: {of_front} of {front} Pareto-optimal points and {of_others} of {others} others, at equal distances in the plan. "
         )
     };
-    all + "The line is the Pareto front of the two figures, if both are objectives. Points that are Pareto-optimal for all \
-           objectives may lie beside it. Arrow keys move between points; click or Enter selects one."
+    let [line, beside] = match input_column(sweep.table) {
+        None => ["The line is the Pareto front of the two figures", "it"],
+        Some(_) => ["The lines are the Pareto fronts of the two figures, one for each input", "them"],
+    };
+    let rest = "Arrow keys move between points; click or Enter selects one.";
+    format!(
+        "{all}{line}, if both are objectives. Points that are Pareto-optimal for all objectives may lie beside {beside}. {rest}"
+    )
 }
 
 /// Places of each pair of figures in the drawing: titles, marks, both directions; only those of two are seen.
@@ -126,19 +132,23 @@ fn stairs(
     b: (usize, ObjectiveDirection),
     [across, upright]: [&ColumnScale; 2],
 ) -> String {
+    let inputs = input_numbers(sweep.table);
     let front = front_by(sweep.table, &[a, b]).into_iter();
-    let mut steps: Vec<(u32, u32)> = front.filter_map(|row| Some((across.at[row]?, upright.at[row]?))).collect();
+    let mut steps: Vec<(usize, u32, u32)> =
+        front.filter_map(|row| Some((inputs[row], across.at[row]?, upright.at[row]?))).collect();
     steps.sort_unstable();
     steps.dedup();
     let better_right = a.1 == ObjectiveDirection::Max;
     let mut path = String::new();
-    for (number, (at_x, at_y)) in steps.into_iter().enumerate() {
-        let (x, y) = (px(x(at_x)), px(y(at_y)));
-        path += &match (number, better_right) {
-            (0, _) => format!("M{x} {y}"),
-            (_, false) => format!(" H{x} V{y}"),
-            (_, true) => format!(" V{y} H{x}"),
-        };
+    for of_input in steps.chunk_by(|a, b| a.0 == b.0) {
+        for (number, (_, at_x, at_y)) in of_input.iter().enumerate() {
+            let (x, y) = (px(x(*at_x)), px(y(*at_y)));
+            path += &match (number, better_right) {
+                (0, _) => format!("M{x} {y}"),
+                (_, false) => format!(" H{x} V{y}"),
+                (_, true) => format!(" V{y} H{x}"),
+            };
+        }
     }
     path
 }
