@@ -63,7 +63,9 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
     if frames > 0.0 {
         let whole = cycles.frames.iter().sum::<u64>() as f64;
         let formula = "1000 * sum(cycles.frames) / (count(cycles.frames) * config.clock.hz)";
-        figures.ratio("frame_ms", 1e3 * whole, frames * hz, "ms", formula);
+        if let Some(ms) = report.frame_ms() {
+            figures.ratio("frame_ms", ms, 1.0, "ms", formula);
+        }
         let formula = "config.clock.hz * count(cycles.frames) / sum(cycles.frames)";
         figures.ratio("frames_per_s", hz * frames, whole, "1/s", formula);
     }

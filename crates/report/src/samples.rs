@@ -266,7 +266,14 @@ pub fn before_and_after() -> (Report, Report) {
         *quality =
             PictureQuality::of(&[QualityMetrics { psnr_db: 36.5, ssim: 0.961, flip: 0.0512 }], quality.difference).unwrap();
     }
+    b.derived = derive(&b);
     (a, b)
+}
+
+/// Sets the clock of a report \[Hz\].
+pub fn set_clock(report: &mut Report, hz: u64) {
+    report.config["clock"]["hz"] = hz.into();
+    report.derived = derive(report);
 }
 
 /// [`balanced`], with costs.

@@ -8,6 +8,7 @@ use super::memory::{Cache, Memory, MemoryBytes};
 use super::pictures::{Picture, PictureQuality};
 use super::sensitivity::{Measure, Sensitivity};
 use super::timing::{Bottlenecks, CriticalPath, Fifo, Unit, read_bottlenecks};
+use crate::number::round6;
 use basrelief_signals::Camera;
 use indexmap::IndexMap;
 use schemars::JsonSchema;
@@ -130,6 +131,7 @@ impl Report {
     pub fn measure(&self) -> Measure {
         Measure {
             cycles: self.frame_cycles(),
+            frame_ms: self.frame_ms().map(round6),
             bytes: self.memory_bytes().unwrap_or(0),
             area_ge: self.hardware_area().map_or(0, |area| area.area_ge),
             psnr_db: self.quality.as_ref().map(|quality| quality.min.psnr_db),
@@ -139,6 +141,13 @@ impl Report {
     /// Returns the clock of the machine \[Hz\], if it has one.
     pub(crate) fn clock_hz(&self) -> Option<f64> {
         self.config.pointer("/clock/hz").and_then(serde_json::Value::as_f64).filter(|hz| *hz > 0.0)
+    }
+
+    /// Returns the mean time of a whole frame \[ms\]. `None` without a clock or a whole frame.
+    pub fn frame_ms(&self) -> Option<f64> {
+        let frames = &self.cycles.as_ref()?.frames;
+        let cycles = frames.iter().map(|cycles| *cycles as f64).sum::<f64>();
+        Some(1e3 * cycles / (frames.len() as f64 * self.clock_hz()?)).filter(|ms| ms.is_finite())
     }
 
     /// Returns the render cycles: all cycles without the [tail](Self::drain). 0 for a functional run.

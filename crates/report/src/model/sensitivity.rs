@@ -13,8 +13,8 @@ pub(crate) const PERCENT_PER_DB: f64 = 12.2;
 pub struct Sensitivity {
     /// The run with the given configuration.
     pub base: Measure,
-    /// Changes, largest effect first. The effect is the largest of the changes of cycles, bytes, area and picture; a decibel counts as
-    /// 12.2 %. Equal effects keep the order of the parameters. Runs that did not finish are last.
+    /// Changes, largest effect first. The effect is the largest of the changes of cycles, time, bytes, area and picture; a decibel
+    /// counts as 12.2 %. Equal effects keep the order of the parameters. Runs that did not finish are last.
     pub changes: Vec<ParameterChange>,
     /// Assumed parameters without neighbouring values: texts, and empty lists.
     #[serde(rename = "not_varied", alias = "unchanged")]
@@ -26,12 +26,15 @@ pub struct Sensitivity {
 pub struct Measure {
     /// Render cycles.
     pub cycles: u64,
+    /// Mean time of a frame \[ms\]. Absent in a report of a version without it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame_ms: Option<f64>,
     /// Bytes that all memories moved.
     pub bytes: u64,
     /// Area of the machine \[gate equivalents\]; 0 in a report of a version without areas.
     #[serde(default)]
     pub area_ge: u64,
-    /// PSNR of the final image \[dB\]. Absent without reference images.
+    /// Worst PSNR of all images \[dB\]. Absent without reference images.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub psnr_db: Option<f64>,
 }
@@ -78,6 +81,9 @@ pub struct MeasureChange {
     pub measure: Measure,
     /// Change of the render cycles, rounded to 6 decimals \[%\].
     pub cycles_percent: f64,
+    /// Change of the time of a frame, rounded to 6 decimals \[%\]. It differs from the change of the cycles if the clock changes.
+    #[serde(default)]
+    pub time_percent: f64,
     /// Change of the bytes, rounded to 6 decimals \[%\]. 0 if the base run moved no bytes.
     pub bytes_percent: f64,
     /// Change of the area, rounded to 6 decimals \[%\].
@@ -91,10 +97,12 @@ pub struct MeasureChange {
 impl Measure {
     /// Returns the difference of a run from this one.
     pub fn change_to(&self, to: Self) -> MeasureChange {
-        let percent = |from: u64, to: u64| if from == 0 { 0.0 } else { round6(100.0 * (to as f64 - from as f64) / from as f64) };
+        let relative = |from: f64, to: f64| if from == 0.0 { 0.0 } else { round6(100.0 * (to - from) / from) };
+        let percent = |from: u64, to: u64| relative(from as f64, to as f64);
         MeasureChange {
             measure: to,
             cycles_percent: percent(self.cycles, to.cycles),
+            time_percent: self.frame_ms.zip(to.frame_ms).map_or(0.0, |(from, to)| relative(from, to)),
             bytes_percent: percent(self.bytes, to.bytes),
             area_percent: percent(self.area_ge, to.area_ge),
             psnr_change_db: self.psnr_db.zip(to.psnr_db).map(|(from, to)| round6(to - from)),
@@ -106,7 +114,8 @@ impl MeasureChange {
     /// Returns the largest change \[%\].
     pub(crate) fn largest_change(&self) -> f64 {
         let decibels = self.psnr_change_db.unwrap_or(0.0) * PERCENT_PER_DB;
-        [self.bytes_percent, self.area_percent, decibels].into_iter().fold(self.cycles_percent.abs(), |most, x| most.max(x.abs()))
+        let changes = [self.cycles_percent, self.time_percent, self.bytes_percent, self.area_percent, decibels];
+        changes.into_iter().fold(0.0, |most, x| most.max(x.abs()))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::table::{Align, Table};
 use crate::model::{ComesTo, Measure, PERCENT_PER_DB, Sensitivity};
-use crate::number::{real, thousands};
+use crate::number::{decimal, real, thousands};
 use Align::{Left, Right};
 use serde_json::Value;
 
@@ -14,14 +14,15 @@ const ABOUT: usize = 32;
 
 /// Caption of the table of changes.
 pub(crate) fn caption(sensitivity: &Sensitivity) -> String {
-    let Measure { cycles, bytes, area_ge, psnr_db } = sensitivity.base;
+    let Measure { cycles, frame_ms, bytes, area_ge, psnr_db } = sensitivity.base;
     let count =
         |is: &dyn Fn(Option<f64>) -> bool| sensitivity.changes.iter().filter(|change| is(change.largest_change())).count();
     let (still, failed) = (count(&|size| size == Some(0.0)), count(&|size| size.is_none()));
+    let time = frame_ms.map_or_else(String::new, |ms| format!("{} ms per frame, ", decimal(ms, 3)));
     let picture = psnr_db.map_or_else(String::new, |db| format!(", {} dB", two_decimals(db)));
     format!(
-        "one assumed parameter or coefficient of the area changed at a time, against {} cycles, {} bytes, {} gate \
-         equivalents{picture}. {} changes, the largest percentage first (1 dB counts as {PERCENT_PER_DB} %); {still} have no effect, \
+        "one assumed parameter or coefficient of the area changed at a time, against {} cycles, {time}{} bytes, {} \
+         gate equivalents{picture}. {} changes, the largest percentage first (1 dB counts as {PERCENT_PER_DB} %); {still} have no effect, \
          {failed} did not finish; report.json lists all",
         thousands(cycles),
         thousands(bytes),
@@ -67,6 +68,7 @@ pub(crate) fn changes(sensitivity: &Sensitivity) -> Table {
         ("from", Right, 0),
         ("to", Right, 0),
         ("cycles %", Right, 0),
+        ("time %", Right, 0),
         ("bytes %", Right, 0),
         ("area %", Right, 0),
         ("dB", Right, 0),
@@ -82,6 +84,7 @@ pub(crate) fn changes(sensitivity: &Sensitivity) -> Table {
             setting_text(&change.from),
             setting_text(&change.to),
             signed_change(to.cycles_percent),
+            signed_change(to.time_percent),
             signed_change(to.bytes_percent),
             signed_change(to.area_percent),
             to.psnr_change_db.map_or_else(String::new, signed_change),
@@ -110,7 +113,7 @@ mod tests {
     use crate::text::{TableGroup, TextStyle, to_text};
     use serde_json::json;
 
-    const BASE: Measure = Measure { cycles: 1000, bytes: 400, area_ge: 500, psnr_db: Some(30.0) };
+    const BASE: Measure = Measure { cycles: 1000, frame_ms: Some(0.5), bytes: 400, area_ge: 500, psnr_db: Some(30.0) };
 
     fn change(parameter: &str, to: Option<(u64, u64, f64)>) -> ParameterChange {
         let moved = |(cycles, bytes, db)| ComesTo::Run(BASE.change_to(Measure { cycles, bytes, psnr_db: Some(db), ..BASE }));
@@ -146,11 +149,35 @@ mod tests {
 
     #[test]
     fn changes_are_relative_to_the_base_run() {
-        let moved = BASE.change_to(Measure { cycles: 1333, bytes: 0, area_ge: 600, psnr_db: None });
+        let moved = BASE.change_to(Measure { cycles: 1333, bytes: 0, area_ge: 600, psnr_db: None, ..BASE });
         assert_eq!((moved.cycles_percent, moved.bytes_percent, moved.psnr_change_db), (33.3, -100.0, None));
         assert_eq!(moved.area_percent, 20.0);
-        let nothing = Measure { cycles: 0, bytes: 0, area_ge: 0, psnr_db: None };
-        assert_eq!(nothing.change_to(BASE).cycles_percent, 0.0);
+        let nothing = Measure { cycles: 0, frame_ms: None, bytes: 0, area_ge: 0, psnr_db: None };
+        assert_eq!((nothing.change_to(BASE).cycles_percent, nothing.change_to(BASE).time_percent), (0.0, 0.0));
+    }
+
+    #[test]
+    fn slower_clock_has_an_effect() {
+        let clock = ParameterChange {
+            comes_to: ComesTo::Run(BASE.change_to(Measure { frame_ms: Some(1.0), ..BASE })),
+            ..change("clock.hz", None)
+        };
+        let analysis = Sensitivity::new(BASE, vec![change("picture", Some((1000, 400, 28.0))), clock], vec![]);
+        assert_eq!(analysis.changes[0].parameter, "clock.hz");
+        assert_eq!(changes(&analysis).rows()[0][3..5], ["", "+100"]);
+        assert!(caption(&analysis).contains("against 1,000 cycles, 0.500 ms per frame, 400 bytes"), "{}", caption(&analysis));
+    }
+
+    #[test]
+    fn analysis_of_a_version_without_time_is_read() {
+        let mut old = serde_json::to_value(sensitivity()).unwrap();
+        for measure in old["changes"].as_array_mut().unwrap() {
+            measure.as_object_mut().unwrap().remove("frame_ms");
+            measure.as_object_mut().unwrap().remove("time_percent");
+        }
+        old["base"].as_object_mut().unwrap().remove("frame_ms");
+        let read: Sensitivity = serde_json::from_value(old).unwrap();
+        assert!(read.base.frame_ms.is_none() && !caption(&read).contains("ms per frame"));
     }
 
     #[test]
