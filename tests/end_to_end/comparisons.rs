@@ -58,6 +58,26 @@ fn limit_never_passes_missing_figures() {
 }
 
 #[test]
+fn slower_clock_fails_limit_in_time() {
+    let place = Place::new();
+    let demo = "demo coin --size 40x30 --set display.enabled=false --quiet";
+    place.ok(&format!("{demo} --out fast"));
+    place.ok(&format!("{demo} --set clock.hz=20000000 --out slow"));
+    let told = said(&place, "fast slow");
+    assert!(told.contains("B: slow A frame takes 0.283 ms in A and 2.829 ms in B (+900 %). The clock is 200 MHz in A"), "{told}");
+    assert!(told.contains("2.829 (+900.0 %)"), "{told}");
+    let time = &json(&place, "fast slow")["sections"][1];
+    assert_eq!((&time["table"], &time["changes"][0]["name"]), (&"derived".into(), &"frame_ms".into()));
+    let error = place.run("compare fast slow --fail-over 899").error(1).to_owned();
+    assert!(error.contains("derived.frame_ms got worse by 900"), "{error}");
+    // The slow run has almost the same cycles, so only time differs in the other direction.
+    place.ok("compare slow fast --fail-over 0");
+    let page = |line: &str| place.ok(&format!("compare {line} --html page.html"));
+    page("fast slow");
+    assert!(place.text("page.html").contains("2.829 at 20 MHz"));
+}
+
+#[test]
 fn limit_counts_every_frame() {
     let place = Place::new();
     place.ok("demo golf-ball --size 32x24 --frames 3 --quiet --out a");
@@ -163,7 +183,7 @@ fn several_reports_compare_with_the_first() {
     assert_eq!(list[0], json(&place, "a b"));
     assert_eq!((list[0]["explained"][0]["parameter"].as_str(), list[1].get("explained")), (Some("memory.texture.cl"), None));
     let told = said(&place, "a b c");
-    assert!(told.starts_with("Report render cycles per ") && told.contains("A: a, B: c B takes "), "{told}");
+    assert!(told.starts_with("Report render cycles ms per frame ") && told.contains("A: a, B: c B takes "), "{told}");
     assert!(
         told.contains("all due to memory.texture.cl.") && told.contains("To measure the causes, keep the recording"),
         "{told}"

@@ -29,7 +29,7 @@ pub struct FigureChange {
 /// Differences in one part of the reports, largest change first.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SectionChanges {
-    /// `run`, `config`, `cycles`, `units`, `fifos`, `memories`, `channels`, `caches`, `figures`, `quality` or `image`.
+    /// `run`, `config`, `derived`, `cycles`, `units`, `fifos`, `memories`, `channels`, `caches`, `figures`, `quality` or `image`.
     pub table: &'static str,
     /// At least one.
     pub changes: Vec<FigureChange>,

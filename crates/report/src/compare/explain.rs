@@ -1,6 +1,7 @@
-//! The change of the cycles and its causes in words.
+//! The change of time and cycles, and its causes, in words.
 
 use super::comparison::{CauseShare, MeasuredCauses, WORK};
+use super::time::Clocks;
 use crate::model::Report;
 use crate::number::{real, signed, thousands};
 
@@ -33,7 +34,8 @@ pub(super) fn explain(a: &Report, b: &Report, equal: bool, explained: Option<&Me
     sentences.push(match (&a.cycles, &b.cycles) {
         (Some(_), Some(_)) => {
             let why = explained.map(|explained| causes_in_words(explained, a.frame_cycles()));
-            cycles(a.frame_cycles(), b.frame_cycles(), why, can_measure)
+            let cycles = cycles(a.frame_cycles(), b.frame_cycles(), why, can_measure);
+            Clocks::of(a, b).sentences(a, b).into_iter().chain([cycles]).collect::<Vec<_>>().join(" ")
         }
         (None, None) => "Both runs are functional: they have no timing.".into(),
         _ => "One run is functional: there are no cycles to compare.".into(),
@@ -64,7 +66,7 @@ fn more_or_fewer(delta: i128) -> &'static str {
     if delta > 0 { "more" } else { "fewer" }
 }
 
-fn percent(share: f64) -> String {
+pub(super) fn percent(share: f64) -> String {
     format!("{} %", signed((1000.0 * share).round() / 10.0))
 }
 

@@ -1,26 +1,32 @@
 //! The difference of two runs, and its causes.
 //!
-//! Every figure of report A is compared with the same figure of B. Host figures and derived figures are left out. Changes are listed
-//! per part of the report, parameters first, the largest absolute change first.
+//! Every figure of report A is compared with the same figure of B. Host figures and derived figures are left out, except the time
+//! of a frame. Changes are listed per part of the report, parameters first, the largest absolute change first.
 //!
 //! **Causes**: stalls only pass on a delay from elsewhere, so they explain nothing. Causes are measured if both runs have recordings:
 //! A is resimulated or run again with one changed parameter as in B. The caller passes the resulting cycles; this crate puts them into
 //! words.
 //!
+//! **Time**: cycles of different clocks last differently long. If the clocks differ, times come first, and times are judged instead of
+//! cycles.
+//!
 //! **Regression**: [`Verdict::worst`] is the largest of these, in percent. Improvements do not count.
-//! - growth of `cycles.total`, and of any frame;
+//! - growth of `cycles.total`, and of any frame; if the clocks differ, growth of `derived.frame_ms`, `derived.time_ms`, and of the time
+//!   of any frame;
 //! - growth of the moved bytes of any memory client;
 //! - loss of quality of the final image and of any frame: PSNR relative to A; SSIM and FLIP, whose scale is 0..1, in hundredths.
 //!
 //! **Not judged**: [`Verdict::unjudged`] lists counted figures without a percentage. No limit lets them pass.
 //! - a figure that A has and B lacks, and fewer frames in B than in A;
 //! - a run that did not finish;
+//! - a timed run without a clock, if A has one;
 //! - growth from 0, and a value that is not finite.
 
 mod comparison;
 mod explain;
 mod overview;
 mod text;
+mod time;
 mod verdict;
 
 pub(crate) use explain::cause_name;
@@ -53,9 +59,10 @@ pub fn compare(a: &Report, b: &Report, explained: Option<MeasuredCauses>) -> Com
 
 type FigureKey = (&'static str, String, &'static str, String);
 
-/// Figures to compare. High-water mark, mean and full cycles stand for the histogram; derived figures follow from the others.
+/// Figures to compare. High-water mark, mean and full cycles stand for the histogram; derived figures follow from the others. Only the
+/// time of a frame is kept, because it depends on the clock as well as on cycles.
 fn figures(report: &Report) -> IndexMap<FigureKey, Figure> {
-    let is_compared = |r: &FigureRow| r.table != "derived" && r.field != "histogram";
+    let is_compared = |r: &FigureRow| r.field != "histogram" && (r.table != "derived" || r.name == "frame_ms");
     long_table::rows(report).into_iter().filter(is_compared).map(|r| ((r.table, r.name, r.field, r.key), r.value)).collect()
 }
 
@@ -74,7 +81,8 @@ fn sections(a: &Report, b: &Report) -> Vec<SectionChanges> {
     for (place, b) in in_b {
         add(place, None, Some(b));
     }
-    let order = ["run", "config", "cycles", "units", "fifos", "memories", "channels", "caches", "figures", "quality", "image"];
+    let order =
+        ["run", "config", "derived", "cycles", "units", "fifos", "memories", "channels", "caches", "figures", "quality", "image"];
     let parts = order.into_iter().filter_map(|table| changes.swap_remove(table).map(|changes| (table, changes)));
     parts.map(|(table, changes)| SectionChanges { table, changes: sorted(table, changes), derived: 0 }).collect()
 }
@@ -129,7 +137,7 @@ mod tests {
     fn parameters_come_before_their_consequences() {
         let (a, b) = samples::before_and_after();
         let tables: Vec<_> = compare(&a, &b, None).sections.iter().map(|s| s.table).collect();
-        assert_eq!(tables, ["config", "cycles", "units", "memories", "quality"]);
+        assert_eq!(tables, ["config", "derived", "cycles", "units", "memories", "quality"]);
     }
 
     #[test]

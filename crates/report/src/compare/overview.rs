@@ -17,7 +17,7 @@ pub fn comparisons_text(first: (&str, &Report), others: &[((&str, &Report), &Com
     std::iter::once(overview(&reports, style)).chain(pairs).collect()
 }
 
-/// Returns render cycles, memory bytes, area and PSNR of each report, each with its change from the first report, with a line feed at
+/// Returns render cycles, time of a frame, memory bytes, area and PSNR of each report, each with its change from the first report, with a line feed at
 /// the end.
 fn overview(reports: &[(&str, &Report)], style: TextStyle) -> String {
     let mut kinds: Vec<String> = reports.iter().map(|(_, report)| work(report).one).collect();
@@ -26,7 +26,8 @@ fn overview(reports: &[(&str, &Report)], style: TextStyle) -> String {
     let columns = [
         ("Report", Left, 0),
         ("render cycles", Right, 0),
-        (&*each, Right, 1),
+        ("ms per frame", Right, 0),
+        (&*each, Right, 2),
         ("bytes moved", Right, 1),
         ("area GE", Right, 1),
         ("worst PSNR dB", Right, 1),
@@ -38,6 +39,7 @@ fn overview(reports: &[(&str, &Report)], style: TextStyle) -> String {
         table.row([
             (*name).to_owned(),
             count(report, first, |of| of.cycles.as_ref().map(|_| of.frame_cycles())),
+            frame_ms(report, first),
             per_one.map_or_else(none, |figure| decimal(figure.value, 2)),
             count(report, first, Report::memory_bytes),
             count(report, first, |of| of.hardware_area().map(|area| area.area_ge)),
@@ -55,9 +57,19 @@ fn none() -> String {
 /// A count, and its change in percent from that of the first report.
 fn count(report: &Report, first: Option<&Report>, figure: impl Fn(&Report) -> Option<u64>) -> String {
     let Some(value) = figure(report) else { return none() };
-    let before = first.and_then(&figure).filter(|before| *before > 0);
-    let percent = before.map(|before| 100.0 * (value as f64 / before as f64 - 1.0));
-    thousands(value) + &percent.map_or(String::new(), |percent| format!(" ({percent:+.1} %)"))
+    thousands(value) + &change(first.and_then(figure).map(|before| before as f64), value as f64)
+}
+
+/// The time of a frame, and its change in percent from that of the first report.
+fn frame_ms(report: &Report, first: Option<&Report>) -> String {
+    let Some(ms) = report.frame_ms() else { return none() };
+    decimal(ms, 3) + &change(first.and_then(Report::frame_ms), ms)
+}
+
+/// A change in percent, in parentheses. Empty without a positive value before.
+fn change(before: Option<f64>, after: f64) -> String {
+    let percent = before.filter(|before| *before > 0.0).map(|before| 100.0 * (after / before - 1.0));
+    percent.map_or(String::new(), |percent| format!(" ({percent:+.1} %)"))
 }
 
 /// The worst PSNR of all frames, and its change in dB from that of the first report.

@@ -25,7 +25,7 @@ impl Comparison {
         if worst.percent > 0.0 {
             parts.push(format!("Largest regression: {}, {}.", worst.what, worst.size()));
         } else if unjudged.is_empty() && !self.equal {
-            parts.push("No regression in cycles, bytes or quality.".into());
+            parts.push("No regression in time, bytes or quality.".into());
         }
         parts.join("\n\n") + "\n"
     }
@@ -76,6 +76,7 @@ impl SectionChanges {
         match self.table {
             "run" => "Run",
             "config" => "Parameter",
+            "derived" => "Time",
             "cycles" => "Cycles",
             "units" => "Unit",
             "fifos" => "FIFO",

@@ -55,12 +55,18 @@ fn pair(a: &ComparedReport<'_>, b: &ComparedReport<'_>, comparison: &Comparison,
     shown.map(|(part, title, content)| section(&id(part), title, content)).collect()
 }
 
-/// The figures of the head, of both.
+/// The figures of the head, of both. The clock of a time moves into the cells if the clocks differ.
 fn numbers(a: &Report, b: &Report) -> Html {
     let (of_a, of_b) = (head::numbers(a), head::numbers(b));
+    let without_clock = |unit: &str| unit.split_once(head::CLOCK).map_or(unit.to_owned(), |(time, _)| time.to_owned());
     let rows = of_b.into_iter().filter_map(|(number, unit)| {
-        let before = &of_a.iter().find(|(_, of)| *of == unit)?.0;
-        Some(vec![words(&unit), words(before), words(number)])
+        let kind = without_clock(&unit);
+        let (before, of) = of_a.iter().find(|(_, of)| without_clock(of) == kind)?;
+        if *of == unit {
+            return Some(vec![words(&unit), words(before), words(number)]);
+        }
+        let with_clock = |number: &str, unit: &str| words(format!("{number}{}", unit.strip_prefix(&kind).unwrap_or_default()));
+        Some(vec![words(&kind), with_clock(before, of), with_clock(&number, &unit)])
     });
     with_cells("Key figures", &[("", Left), ("A", Right), ("B", Right)], rows.collect())
 }

@@ -28,6 +28,10 @@ pub fn big_numbers(numbers: impl IntoIterator<Item = (String, String)>) -> Html 
     el("dl", &[("class", "numbers")], numbers.into_iter().map(headline))
 }
 
+/// Separates the unit of a time from its clock.
+pub(super) const CLOCK: &str = " at ";
+
+/// Returns the key figures: number, and unit of measure.
 pub(super) fn numbers(report: &Report) -> Vec<(String, String)> {
     let frames = report.averaged_frames();
     let each = if frames > Some(1) { " per frame" } else { "" };
@@ -52,7 +56,7 @@ pub(super) fn numbers(report: &Report) -> Vec<(String, String)> {
     }
     if let Some(d) = report.derived.get(if frames.is_some() { "frame_ms" } else { "time_ms" }) {
         let hz = report.clock_hz().unwrap_or(0.0);
-        list.push((decimal(d.value, 3), format!("ms{each} at {} MHz", real(hz / 1e6))));
+        list.push((decimal(d.value, 3), format!("ms{each}{CLOCK}{} MHz", real(hz / 1e6))));
     }
     list
 }

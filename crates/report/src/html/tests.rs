@@ -210,6 +210,23 @@ fn a_comparison_shows_both_and_what_explains_it() {
     assert!(two.contains("id=\"units-1\"") && two.contains("id=\"units-2\"") && !two.contains("id=\"units\""));
 }
 
+#[test]
+fn comparison_page_shows_both_times_and_clocks() {
+    let (a, mut b) = (full("model"), full("model"));
+    let page = |b: &Report| {
+        let side = |report| ComparedReport { name: "out", report, assets: assets("lanes") };
+        compared(&side(&a), &[(side(b), &crate::compare(&a, b, None))])
+    };
+    let row = |kind: &str, before: &str, after: &str| {
+        format!("{kind}</th><td class=\"right\">{before}</td><td class=\"right\">{after}</td>")
+    };
+    let one_clock = page(&b);
+    assert!(one_clock.contains(&row("ms per frame at 200 MHz", "2.500", "2.500")), "{one_clock}");
+    samples::set_clock(&mut b, 20_000_000);
+    let two_clocks = page(&b);
+    assert!(two_clocks.contains(&row("ms per frame", "2.500 at 200 MHz", "25.000 at 20 MHz")), "{two_clocks}");
+}
+
 /// Returns the luminance of each colour that the style sheet names, in the light and in the dark theme. A gamma of 2 is close enough.
 fn luminances() -> [std::collections::BTreeMap<&'static str, f64>; 2] {
     let luminance = |hex: &str| {
