@@ -1,5 +1,5 @@
 // Differences between a run and the pinned run.
-import { change, drawing, el, thousands } from "./dom";
+import { change, decimal, drawing, el, thousands } from "./dom";
 import type { Explained, Report, Run, Unit } from "./protocol";
 
 const sum = (of: Record<string, number>): number => Object.values(of).reduce((all, n) => all + n, 0);
@@ -61,6 +61,10 @@ export function changes(pinned: Run | undefined, now: Run): HTMLElement {
     `render cycles: ${thousands(frameCycles(a))} \u2192 ${thousands(frameCycles(b))}, ${change(frameCycles(b), frameCycles(a))}`,
     `memory traffic: ${thousands(memoryBytes(a))} \u2192 ${thousands(memoryBytes(b))} bytes, ${change(memoryBytes(b), memoryBytes(a))}`,
   ];
+  const [before, after] = [a.derived["frame_ms"]?.value, b.derived["frame_ms"]?.value];
+  if (before !== undefined && after !== undefined) {
+    totals.splice(1, 0, `time per frame: ${decimal(before, 3)} \u2192 ${decimal(after, 3)} ms, ${change(after, before)}`);
+  }
   if (a.quality && b.quality) {
     const [from, to] = [a.quality.psnr_db, b.quality.psnr_db];
     totals.push(`quality: ${from.toFixed(2)} \u2192 ${to.toFixed(2)} dB, ${change(to, from)}`);
