@@ -144,8 +144,8 @@ pub struct SimulationArgs {
     #[arg(long)]
     pub no_bottlenecks: bool,
     /// Sensitivity analysis: repeat the run with each assumed parameter changed, one at a time (numbers by half, others to their
-    /// neighbours). The report lists the changes of cycles, bytes and decibels, largest first. About 300 runs on all cores; runs that
-    /// differ in timing parameters only are resimulated.
+    /// neighbours). The report lists the changes of cycles, time, bytes, area and decibels, largest first. About 300 runs on all
+    /// cores; runs that differ in timing parameters only are resimulated.
     #[arg(long, conflicts_with_all = ["functional", "ablate", "compare_methods"])]
     pub sensitivity: bool,
     /// Also write the tables as report.csv.

@@ -41,7 +41,8 @@ fn set(change: &ParameterChange) -> Option<(&str, String)> {
 /// The largest change in percent.
 fn size(change: &ParameterChange) -> f64 {
     let ComesTo::Run(moved) = &change.comes_to else { return -1.0 };
-    let changes = [moved.cycles_percent, moved.bytes_percent, moved.area_percent, 12.2 * moved.psnr_change_db.unwrap()];
+    let decibels = 12.2 * moved.psnr_change_db.unwrap();
+    let changes = [moved.cycles_percent, moved.time_percent, moved.bytes_percent, moved.area_percent, decibels];
     changes.into_iter().fold(0.0, |most: f64, change| most.max(change.abs()))
 }
 
@@ -67,12 +68,16 @@ fn every_assumption_is_changed(machine: usize, frames: u32) {
         ComesTo::Nothing { .. } => None,
     });
     for (change, moved) in runs.clone().filter(|(change, _)| change.parameter.starts_with("area.")) {
-        assert_eq!((moved.cycles_percent, moved.bytes_percent, moved.psnr_change_db), (0.0, 0.0, Some(0.0)), "{change:?}");
+        assert_eq!((moved.cycles_percent, moved.time_percent, moved.bytes_percent), (0.0, 0.0, 0.0), "{change:?}");
+        assert_eq!(moved.psnr_change_db, Some(0.0), "{change:?}");
     }
     let memory_bit = |(change, moved): &(&ParameterChange, &MeasureChange)| {
         change.parameter == "area.memory_bit" && moved.area_percent.abs() > 5.0
     };
     assert_eq!(runs.clone().filter(memory_bit).count(), 2, "a coefficient changes the area");
+    let clock =
+        |(change, moved): &(&ParameterChange, &MeasureChange)| change.parameter == "clock.hz" && moved.time_percent.abs() > 1.0;
+    assert_eq!(runs.clone().filter(clock).count(), 2, "the clock changes the time");
     for (change, moved) in runs.clone().take(3).chain(runs.step_by(23)) {
         assert_eq!(moved.measure, measured_alone(&around, set(change)), "{change:?}");
     }

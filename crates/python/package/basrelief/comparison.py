@@ -32,7 +32,7 @@ class Comparison:
 
     @property
     def explanation(self) -> str:
-        """The change of the cycles and its causes, in one or two sentences."""
+        """The change of the cycles and its causes in a few sentences. If the clocks differ, the change of time comes first."""
         return str(self.report["explanation"])
 
     @property

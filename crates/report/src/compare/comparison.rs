@@ -121,7 +121,7 @@ pub struct MeasuredCauses {
 pub struct Comparison {
     /// Nothing differs but the host.
     pub equal: bool,
-    /// Change of the cycles and its causes, in a few sentences.
+    /// Change of time and cycles, and its causes, in a few sentences.
     pub explanation: String,
     /// The causes as data, if they were measured.
     #[serde(flatten)]
