@@ -1,6 +1,6 @@
 //! The same commands with every machine.
 
-use crate::support::{Place, is_valid, patch, without_host};
+use crate::support::{Place, is_valid, patch, without_host, workspace};
 use serde_json::Value;
 use std::fs;
 
@@ -174,6 +174,37 @@ fn printed_schemas_have_no_unknown_format() {
         assert!(jsonschema::meta::is_valid(&schema), "{of}");
         jsonschema::validator_for(&schema).expect("a valid schema");
         assert_eq!(formats(&schema, ""), [""; 0], "{of}");
+    }
+}
+
+/// Returns the descriptions with links or escapes of rustdoc.
+fn rustdoc_markup(part: &Value) -> Vec<&str> {
+    let own = ["description", "about"].into_iter().filter_map(|key| part.get(key)?.as_str());
+    let own = own.filter(|text| ["[`", "`]", "](", "\\[", "\\]"].iter().any(|markup| text.contains(markup)));
+    let below: Box<dyn Iterator<Item = &Value>> = match part {
+        Value::Object(fields) => Box::new(fields.values()),
+        Value::Array(list) => Box::new(list.iter()),
+        _ => Box::new(std::iter::empty()),
+    };
+    own.chain(below.flat_map(rustdoc_markup)).collect()
+}
+
+#[test]
+fn descriptions_have_no_rustdoc_markup() {
+    let place = Place::new();
+    let machines = ["bump", "shade", "texel", "defer"];
+    let printed = machines.iter().flat_map(|of| {
+        [format!("schema config --machine {of}"), format!("schema plan --machine {of}"), format!("describe {of} --json")]
+    });
+    let named = ["trace", "report", "camera", "views"].map(|of| format!("schema {of}"));
+    for line in named.into_iter().chain(printed) {
+        let json: Value = serde_json::from_str(&place.ok(&line).out).expect("JSON");
+        assert_eq!(rustdoc_markup(&json), [""; 0], "{line}");
+    }
+    for table in ["parameters.csv", "report-keys.csv"] {
+        let text = fs::read_to_string(workspace().join("docs/reference").join(table)).expect("a table");
+        let marked: Vec<&str> = text.lines().filter(|line| line.contains("[`") || line.contains("](")).collect();
+        assert_eq!(marked, [""; 0], "{table}");
     }
 }
 

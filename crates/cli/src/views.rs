@@ -39,7 +39,7 @@ struct WrittenView {
     light_orbit: Option<f64>,
 }
 
-/// A [`Camera`] as written in a view file.
+/// A camera as written in a view file.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "view_projection, to_light and to_viewer, as a file of --camera holds them")]
 struct WrittenCamera {

@@ -123,6 +123,17 @@ mod tests {
         assert!(!validator.is_valid(&other));
     }
 
+    #[test]
+    fn psnr_description_states_pixels_and_limit() {
+        let schema = schema();
+        let about = schema["$defs"]["QualityMetrics"]["properties"]["psnr_db"]["description"].as_str().unwrap();
+        assert!(about.contains("over the pixels that either image covers"), "{about}");
+        assert!(
+            about.ends_with(&format!("at most {0}; {0} if they are identical.", basrelief_reference::metrics::IDENTICAL_DB)),
+            "{about}"
+        );
+    }
+
     // Claim: analysis: Moved bytes are those of whole bursts, in each memory and in all.
     #[test]
     fn old_report_gets_its_moved_bytes_from_bursts() {

@@ -8,9 +8,9 @@ use serde_json::Value;
 /// Returns the JSON schema (2020-12) of a type.
 ///
 /// The schema has no `format`, because JSON Schema defines no formats of numbers and validators such as Ajv refuse unknown formats.
-/// Integers of up to 32 bits have `minimum` and `maximum` instead.
+/// Integers of up to 32 bits have `minimum` and `maximum` instead. Descriptions have square brackets without the backslashes of rustdoc.
 pub fn schema_of<T: JsonSchema>(name: &str) -> Schema {
-    let settings = SchemaSettings::draft2020_12().with_transform(RecursiveTransform(replace_format));
+    let settings = SchemaSettings::draft2020_12().with_transform(RecursiveTransform(make_portable));
     let mut schema = settings.into_generator().into_root_schema_for::<T>();
     schema.insert("$id".into(), format!("urn:basrelief:schema:{name}").into());
     schema
@@ -24,6 +24,15 @@ pub fn reference_pointer(part: &Value) -> Option<&str> {
 /// Returns the part of a schema that a reference names; otherwise the part itself.
 pub fn resolve_reference<'a>(part: &'a Value, schema: &'a Value) -> &'a Value {
     reference_pointer(part).and_then(|pointer| schema.pointer(pointer)).unwrap_or(part)
+}
+
+fn make_portable(schema: &mut Schema) {
+    replace_format(schema);
+    // A property that is called `description` has a schema and not a text.
+    if let Some(text) = schema.get("description").and_then(Value::as_str) {
+        let text = text.replace("\\[", "[").replace("\\]", "]");
+        schema.insert("description".into(), text.into());
+    }
 }
 
 /// Replaces the format of a number by its range. Wider types have no range, because JSON readers may round such limits.
@@ -57,6 +66,7 @@ mod tests {
         small: u8,
         word: Option<u32>,
         signed: i32,
+        /// Size \[bits\].
         wide: u64,
         real: f64,
         #[schemars(range(min = 1, max = 9))]
@@ -72,6 +82,12 @@ mod tests {
         assert_eq!(resolve_reference(&schema["$defs"]["A"], &schema), &schema["$defs"]["A"]);
         assert_eq!(resolve_reference(&schema["b"], &schema), &schema["b"], "a part that does not exist");
         assert_eq!(reference_pointer(&schema["a"]), Some("/$defs/A"));
+    }
+
+    #[test]
+    fn descriptions_have_plain_brackets() {
+        let schema = schema_of::<Numbers>("numbers").to_value();
+        assert_eq!(schema["properties"]["wide"]["description"], "Size [bits].");
     }
 
     #[test]

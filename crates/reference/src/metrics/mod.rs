@@ -23,11 +23,11 @@ pub const IDENTICAL_DB: f64 = 99.0;
 /// Quality of a picture against the reference image.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct QualityMetrics {
-    /// Peak signal-to-noise ratio \[dB\], at most [`IDENTICAL_DB`].
+    /// Peak signal-to-noise ratio over the pixels that either image covers \[dB\], at most 99; 99 if they are identical.
     pub psnr_db: f64,
-    /// Structural similarity, -1..=1, 1 = identical.
+    /// Structural similarity over the pixels that either image covers, -1..=1, 1 = identical.
     pub ssim: f64,
-    /// FLIP error as seen at 67 pixels per degree, 0..=1, 0 = identical.
+    /// FLIP error over the pixels that either image covers, as seen at 67 pixels per degree, 0..=1, 0 = identical.
     pub flip: f64,
 }
 

@@ -31,16 +31,16 @@ pub struct PictureQuality {
 /// Smallest measures of similarity over all pictures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LeastQuality {
-    /// \[dB\]
+    /// Worst PSNR \[dB\].
     pub psnr_db: f64,
-    /// -1 to 1.
+    /// Worst SSIM, -1 to 1.
     pub ssim: f64,
 }
 
 /// Largest measure of error over all pictures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LargestError {
-    /// 0 to 1.
+    /// Worst FLIP, 0 to 1.
     pub flip: f64,
 }
 

@@ -43,7 +43,7 @@ pub struct Fifo {
 }
 
 /// Chain of work and stalls from the first cycle to the end of the last frame, without gap or overlap. Other paths may tie.
-/// [`RelaxedCycles`] lists the cycles that a change would save.
+/// `bottlenecks` lists the cycles that a change would save.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct CriticalPath {
     /// Sum over all parts.

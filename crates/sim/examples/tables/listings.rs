@@ -57,8 +57,7 @@ fn walk(schema: &Value, part: &Value, path: &str, rows: &mut Vec<Vec<String>>) {
     let part = resolved(schema, part);
     for (key, value) in part["properties"].as_object().into_iter().flatten() {
         let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
-        let meaning =
-            value["description"].as_str().unwrap_or_default().replace('\n', " ").replace("\\[", "[").replace("\\]", "]");
+        let meaning = value["description"].as_str().unwrap_or_default().replace('\n', " ");
         rows.push(vec![path.clone(), type_of(schema, value), meaning]);
         walk(schema, value, &path, rows);
     }

@@ -96,8 +96,7 @@ pub struct BeginCommand {
     /// Width of every picture \[pixels\], 1..=16384.
     #[schemars(range(min = 1, max = MAX_SIDE))]
     pub width: u32,
-    /// Height of every picture \[pixels\], 1..=16384; times the width at most
-    /// [`MAX_PICTURE_PIXELS`](basrelief_signals::MAX_PICTURE_PIXELS).
+    /// Height of every picture \[pixels\], 1..=16384; times the width at most 2^23.
     #[schemars(range(min = 1, max = MAX_SIDE))]
     pub height: u32,
     /// Program that wrote the trace. No version and no date, so that an unchanged trace keeps its hash.
