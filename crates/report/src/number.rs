@@ -71,6 +71,11 @@ pub fn percent(part: u64, whole: u64) -> String {
     }
 }
 
+/// A relative change in a sentence, with a sign and at most one decimal: `+12.5 %`.
+pub fn change_in_words(share: f64) -> String {
+    format!("{} %", signed((1000.0 * share).round() / 10.0))
+}
+
 /// Percent in a sentence: `97 %`.
 pub fn percent_in_words(share: f64) -> String {
     match 100.0 * share {

@@ -38,8 +38,9 @@ pub struct CompareArgs {
     /// The second report; each of several is compared with A.
     #[arg(required = true, value_name = "B")]
     pub others: Vec<PathBuf>,
-    /// Exit with code 1 if render cycles, moved bytes or image quality of any report are worse by more than this [%], or cannot be
-    /// judged. If the clocks differ, times are judged instead of cycles. Area is not judged.
+    /// Exit with code 1 if one of these is worse than in A by more than this [%], or cannot be judged: cycles of the run or of a frame,
+    /// moved bytes of a memory client, PSNR, SSIM or FLIP of an image. If the clocks differ, times are judged instead of cycles. Area
+    /// is not judged.
     #[arg(long, value_name = "PERCENT", value_parser = tolerance)]
     pub fail_over: Option<f64>,
     /// With --fail-over, judge runs with different inputs too; without this option they fail.

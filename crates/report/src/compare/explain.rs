@@ -3,7 +3,7 @@
 use super::comparison::{CauseShare, MeasuredCauses, WORK};
 use super::time::Clocks;
 use crate::model::Report;
-use crate::number::{real, signed, thousands};
+use crate::number::{change_in_words, real, signed, thousands};
 
 /// Causes below this share of the cycles of A are merged \[1/1000\].
 const TOLD: u64 = 1;
@@ -50,7 +50,7 @@ fn inputs_differ(a: &Report, b: &Report) -> bool {
 
 fn cycles(before: u64, after: u64, why: Option<String>, can_measure: bool) -> String {
     let delta = i128::from(after) - i128::from(before);
-    let relative = if before == 0 { String::new() } else { format!(" ({})", percent(delta as f64 / before as f64)) };
+    let relative = if before == 0 { String::new() } else { format!(" ({})", change_in_words(delta as f64 / before as f64)) };
     let head = match delta {
         0 => format!("Both runs take {} cycles", thousands(after)),
         _ => format!("B takes {} {} cycles{relative}", real(delta.abs() as f64), more_or_fewer(delta)),
@@ -64,10 +64,6 @@ fn cycles(before: u64, after: u64, why: Option<String>, can_measure: bool) -> St
 
 fn more_or_fewer(delta: i128) -> &'static str {
     if delta > 0 { "more" } else { "fewer" }
-}
-
-pub(super) fn percent(share: f64) -> String {
-    format!("{} %", signed((1000.0 * share).round() / 10.0))
 }
 
 /// The cause in words.

@@ -1,8 +1,7 @@
 //! Clocks and frame times of two runs. Cycles of different clocks last differently long, so only times compare such runs.
 
-use super::explain::percent;
 use crate::model::Report;
-use crate::number::{decimal, real};
+use crate::number::{change_in_words, decimal, real};
 
 /// Clocks of two timed runs.
 pub(super) enum Clocks {
@@ -37,7 +36,7 @@ impl Clocks {
         let clocks = format!("The clock is {hz_a} MHz in A and {hz_b} MHz in B");
         Some(match a.frame_ms().zip(b.frame_ms()) {
             Some((before, after)) => {
-                let change = if before > 0.0 { format!(" ({})", percent(after / before - 1.0)) } else { String::new() };
+                let change = if before > 0.0 { format!(" ({})", change_in_words(after / before - 1.0)) } else { String::new() };
                 format!("A frame takes {} ms in A and {} ms in B{change}. {clocks}.", decimal(before, 3), decimal(after, 3))
             }
             None => format!("{clocks}, so equal cycles are different times."),
