@@ -95,7 +95,7 @@ fn picture_as_text_names_the_expected_file() {
     for (line, content) in [
         ("sweep out/image.png", "a plan (TOML)"),
         ("compare out out/image.png", "a report (report.json), or the folder that holds it"),
-        ("demo --out b --config out/image.png", "parameters of a machine (TOML)"),
+        ("demo --out b --config out/image.png", "parameters of a machine (TOML or JSON)"),
         ("demo --out b --views out/image.png", "views (TOML or JSON)"),
         ("demo --out b --camera out/image.png", "a camera (JSON)"),
     ] {

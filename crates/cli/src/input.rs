@@ -272,13 +272,14 @@ pub fn config_of(
     settings: &[(String, String)],
     budget: &MemoryPool,
 ) -> CommandResult<(MachineConfig, Overrides)> {
-    let read = |path| read_text(path, "parameters of a machine (TOML)", budget);
-    let (toml, _held) = file.map_or_else(|| Ok((String::new(), budget.empty_reservation())), read)?;
+    let read = |path| read_text(path, "parameters of a machine (TOML or JSON)", budget);
+    let (text, _held) = file.map_or_else(|| Ok((String::new(), budget.empty_reservation())), read)?;
     let name = file.map(|path| path.display().to_string()).unwrap_or_default();
-    let given = Overrides { toml, settings: settings.to_vec() };
-    let config = given.load_checked(machine, budget).map_err(|wrong| match wrong {
+    let in_place = |wrong| match wrong {
         OverridesError::File(error) => CommandError::BadInput(format!("{name}: {error}")),
         OverridesError::Settings(error) => CommandError::Usage(format!("--set: {error}")),
-    })?;
+    };
+    let given = Overrides::of_file(machine, text, settings.to_vec()).map_err(in_place)?;
+    let config = given.load_checked(machine, budget).map_err(in_place)?;
     Ok((config, given))
 }

@@ -1,6 +1,7 @@
 //! Path of a place in a JSON text.
 
 use std::fmt;
+use std::ops::Range;
 
 /// One step of a path.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -54,6 +55,30 @@ impl JsonPath {
     }
 }
 
+/// Returns the range of a field of a valid text, from its key to the end of its value; `None` if the text does not have it. `name` joins
+/// the keys of the objects around the field with dots. The first of equal names counts.
+pub fn field_range(text: &str, name: &str) -> Option<Range<usize>> {
+    let (mut open, mut at, mut found) = (OpenValues::default(), 0, None);
+    while let Some(token) = token_at(text.as_bytes(), at) {
+        open.pass(token);
+        match found {
+            None if token[0] == b'"' && open.is_named(name) => found = Some((at, open.steps.len() - 1)),
+            Some((start, depth)) if !matches!(open.steps.get(depth), Some(Some(_))) => return Some(start..at),
+            _ => {}
+        }
+        at += token.len();
+    }
+    None
+}
+
+/// Returns the string or the byte that begins at an offset; `None` at the end.
+fn token_at(text: &[u8], at: usize) -> Option<&[u8]> {
+    let rest = &text[at..];
+    let (&byte, behind) = rest.split_first()?;
+    let length = if byte == b'"' { 1 + string_length(behind) } else { 1 };
+    Some(&rest[..length])
+}
+
 /// Lists and objects that a text leaves open.
 #[derive(Default)]
 struct OpenValues {
@@ -67,18 +92,17 @@ struct OpenValues {
 
 impl OpenValues {
     fn at_end(text: &[u8]) -> Self {
-        let mut open = Self::default();
-        let mut rest = text;
-        while let Some((&byte, behind)) = rest.split_first() {
-            let length = if byte == b'"' { 1 + string_length(behind) } else { 1 };
-            open.pass(byte, &rest[..length]);
-            rest = &rest[length..];
+        let (mut open, mut at) = (Self::default(), 0);
+        while let Some(token) = token_at(text, at) {
+            open.pass(token);
+            at += token.len();
         }
         open
     }
 
-    /// Passes a token that begins with this byte.
-    fn pass(&mut self, first: u8, token: &[u8]) {
+    /// Passes a token of [`token_at`].
+    fn pass(&mut self, token: &[u8]) {
+        let first = token[0];
         self.ends_in_gap = matches!(first, b'{' | b'[' | b'}' | b']') || (first.is_ascii_whitespace() && self.ends_in_gap);
         match first {
             b'{' => self.steps.push(None),
@@ -98,6 +122,17 @@ impl OpenValues {
             },
             _ => {}
         }
+    }
+
+    /// Returns true if the open values are objects whose keys, joined with dots, are this name.
+    fn is_named(&self, name: &str) -> bool {
+        let mut rest = Some(name);
+        for (number, step) in self.steps.iter().enumerate() {
+            let Some(JsonStep::Key(key)) = step else { return false };
+            let behind_dot = rest.and_then(|rest| if number == 0 { Some(rest) } else { rest.strip_prefix('.') });
+            rest = behind_dot.and_then(|rest| rest.strip_prefix(key.as_str()));
+        }
+        rest == Some("") && !self.steps.is_empty()
     }
 
     fn into_path(self) -> JsonPath {
@@ -164,5 +199,21 @@ mod tests {
         ] {
             assert_eq!(JsonPath::of_gap_at_end(text.as_bytes()).to_string(), path, "{text}");
         }
+    }
+
+    #[test]
+    fn field_has_the_range_of_key_and_value() {
+        let text = r#"{"x": {"b": "a.b"}, "a": {"b": [1, {"c": "},"}], "d.e": 2}, "a.b": 3}"#;
+        for (name, field) in [
+            ("x", Some(r#""x": {"b": "a.b"}"#)),
+            ("a.b", Some(r#""b": [1, {"c": "},"}]"#)),
+            ("a.d.e", Some(r#""d.e": 2"#)),
+            ("a.b.c", None),
+            ("b", None),
+            ("", None),
+        ] {
+            assert_eq!(field_range(text, name).map(|range| &text[range]), field, "{name}");
+        }
+        assert_eq!(field_range(r#"{"a": 1"#, "a"), None, "without an end");
     }
 }

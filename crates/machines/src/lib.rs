@@ -18,6 +18,7 @@
 
 pub mod bump;
 mod config;
+mod config_text;
 mod configuration_schema;
 pub mod defer;
 mod diagram;

@@ -199,7 +199,7 @@ pub struct MachineInfo {
     loader: fn(&str) -> Result<ConfigLoader, ConfigError>,
 }
 
-/// Loader of many configurations that share one TOML text.
+/// Loader of many configurations that share one text.
 pub struct ConfigLoader(Box<LoadFn>);
 
 type LoadFn = dyn Fn(&[(&str, &str)]) -> Result<MachineConfig, ConfigError> + Send + Sync;
@@ -275,7 +275,7 @@ impl MachineInfo {
         (self.schema)()
     }
 
-    /// Loads a configuration: defaults, then the TOML text, then single settings in order.
+    /// Loads a configuration: defaults, then the text (TOML or JSON), then single settings in order.
     ///
     /// # Errors
     /// Errors of [`basrelief_parameters::load`].
@@ -283,10 +283,10 @@ impl MachineInfo {
         self.loader(toml)?.load(settings)
     }
 
-    /// Returns a loader of many configurations that share one TOML text.
+    /// Returns a loader of many configurations that share one text.
     ///
     /// # Errors
-    /// A text that is not TOML.
+    /// A text that is neither TOML nor JSON.
     pub fn loader(&self, toml: &str) -> Result<ConfigLoader, ConfigError> {
         (self.loader)(toml)
     }

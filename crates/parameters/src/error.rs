@@ -6,6 +6,9 @@ pub enum ConfigError {
     /// The text is not valid TOML.
     #[error("not valid TOML: {0}")]
     Syntax(String),
+    /// The text begins as JSON, and is not valid JSON.
+    #[error("not valid JSON: {0}")]
+    Json(String),
     /// No parameter has this name.
     #[error("unknown parameter `{key}`{} (`basrelief describe MACHINE` lists all)", hint(nearest))]
     Unknown {
@@ -36,10 +39,10 @@ pub enum ConfigError {
 }
 
 impl ConfigError {
-    /// Returns the dotted name of the parameter at fault. A text that is not valid TOML has none.
+    /// Returns the dotted name of the parameter at fault. A text that is not valid TOML or JSON has none.
     pub fn key(&self) -> Option<&str> {
         match self {
-            Self::Syntax(_) => None,
+            Self::Syntax(_) | Self::Json(_) => None,
             Self::Unknown { key, .. } | Self::Type { key, .. } | Self::Unfit { key, .. } => Some(key),
             Self::Range(error) => Some(&error.key),
         }

@@ -28,6 +28,7 @@
 
 mod error;
 mod fields;
+mod json;
 mod load;
 #[doc(hidden)]
 pub mod private;
@@ -39,6 +40,7 @@ mod user_settings;
 
 pub use error::{ConfigError, RangeError};
 pub use fields::{Field, FieldMut, Fields, ParameterValue, from_json, to_json};
+pub use json::ReportConfig;
 pub use load::{Loader, is_given, load};
 pub use suggestion::nearest;
 pub use table::{Effect, Parameter, Parameters, Provenance, as_option, resolved, value_of};

@@ -1,7 +1,8 @@
-//! From TOML and `key=value` pairs to a checked configuration.
+//! From TOML, JSON and `key=value` pairs to a checked configuration.
 
 use crate::error::allowed;
 use crate::fields::{from_json, to_json};
+use crate::json::{is_json, parse_json};
 use crate::settings::{check_known, check_tree, insert_setting, merge, parse_value, rename, settings_in};
 use crate::toml_fault::syntax;
 use crate::{ConfigError, Parameter, Parameters, RangeError, UserSettings};
@@ -10,23 +11,24 @@ use serde_json::Value as Json;
 use std::marker::PhantomData;
 use toml::{Table, Value};
 
-/// Reads a configuration: defaults, then the TOML text, then single settings in order. Dependent parameters
+/// Reads a configuration: defaults, then the text, then single settings in order. The text is TOML, or an object of parameters in JSON.
+/// Dependent parameters
 /// ([`Parameters::complete`]) that the user has not set replace their defaults last, so the order of the settings does not
 /// matter.
 ///
 /// A setting's value is TOML (`32`, `[256, 128]`, `true`). Any other text is a string, so `replacement.codebook=fixed` needs no
 /// quotes.
-pub fn load<C: Parameters>(toml_text: &str, settings: &[(&str, &str)]) -> Result<C, ConfigError> {
-    Loader::new(toml_text)?.load(settings)
+pub fn load<C: Parameters>(text: &str, settings: &[(&str, &str)]) -> Result<C, ConfigError> {
+    Loader::new(text)?.load(settings)
 }
 
-/// Returns true if the TOML text or one of the settings gives this parameter. An invalid text gives none.
-pub fn is_given(toml_text: &str, settings: &[(String, String)], key: &str) -> bool {
-    let in_text = || toml_text.parse().is_ok_and(|table| UserSettings(&table).contains(key));
+/// Returns true if the text or one of the settings gives this parameter. An invalid text gives none.
+pub fn is_given(text: &str, settings: &[(String, String)], key: &str) -> bool {
+    let in_text = || parse_text(text).is_ok_and(|table| UserSettings(&table).contains(key));
     settings.iter().any(|(given, _)| given == key) || in_text()
 }
 
-/// Loads many configurations over one TOML text. Work that does not depend on the settings is done once.
+/// Loads many configurations over one text. Work that does not depend on the settings is done once.
 #[derive(Clone, Debug)]
 pub struct Loader<C> {
     given: Table,
@@ -39,9 +41,9 @@ impl<C: Parameters> Loader<C> {
     /// Parses the text.
     ///
     /// # Errors
-    /// If the text is not valid TOML. Other errors are found when a configuration is loaded.
-    pub fn new(toml_text: &str) -> Result<Self, ConfigError> {
-        let given: Table = toml_text.parse().map_err(|e| ConfigError::Syntax(syntax(toml_text, &e)))?;
+    /// If the text is not valid TOML or JSON. Other errors are found when a configuration is loaded.
+    pub fn new(text: &str) -> Result<Self, ConfigError> {
+        let given = parse_text(text)?;
         let known = C::table().into_iter().map(|p| p.key).collect();
         let wrong = |error: serde_json::Error| ConfigError::Syntax(error.to_string());
         Ok(Self { given, known, default: to_json(&C::default()).map_err(wrong)?, of: PhantomData })
@@ -90,6 +92,11 @@ impl<C: Parameters> Loader<C> {
     }
 }
 
+/// Parses a text of parameters: JSON if it begins with a brace, otherwise TOML.
+fn parse_text(text: &str) -> Result<Table, ConfigError> {
+    if is_json(text) { parse_json(text) } else { text.parse().map_err(|error| ConfigError::Syntax(syntax(text, &error))) }
+}
+
 /// Returns the text of a value. (The writer of TOML is nowhere else in the web page.)
 fn value_text(value: &Value) -> String {
     match value {
@@ -134,6 +141,8 @@ mod tests {
         let c: All = load("[search]\nlanes = 4", &[("search.lanes", "2")]).unwrap();
         assert_eq!(c.search.lanes, 2);
         assert_eq!(load::<All>("", &[]).unwrap().search.lanes, 16);
+        let c: All = load(r#"{"search": {"lanes": 4, "pipelined": true}}"#, &[("search.lanes", "2")]).unwrap();
+        assert_eq!((c.search.lanes, c.search.pipelined), (2, true));
     }
 
     #[test]
@@ -227,6 +236,8 @@ mod tests {
         assert!(message.starts_with("not valid TOML: line 2, column ") && message.len() < 1100, "{message:.200}");
         says("", &[("search.lanes", "-1")], "expected 1..=4096");
         says("", &[("zzz", "1")], "unknown parameter `zzz` (`basrelief describe MACHINE` lists all)");
+        says(r#"{"search": {"lane": 1}}"#, &[], "did you mean `search.lanes`");
+        says(r#"{"search": {"lanes": 0}}"#, &[], "`search.lanes` is 0, expected 1..=4096");
         // Only the group is near.
         says("", &[("search.foo", "1")], "unknown parameter `search.foo` (");
     }

@@ -1,7 +1,8 @@
-//! Errors of fields in a TOML text, with their lines.
+//! Errors of fields in a TOML text, or in a configuration in JSON, with their lines.
 
+use crate::json::is_json;
 use crate::nearest;
-use basrelief_input::{TextFormat, plain_message};
+use basrelief_input::{TextFormat, field_range, plain_message};
 use std::fmt::Display;
 use std::ops::Range;
 use toml::Spanned;
@@ -50,7 +51,11 @@ impl TomlFault {
 
     /// Returns the message, after the line of the field if the text gives the field.
     pub fn at_line(self, text: &str) -> String {
-        let start = FieldPositions::of(text).start_of(&self.field);
+        let start = if is_json(text) {
+            field_range(text, &self.field.join(".")).map(|range| range.start)
+        } else {
+            FieldPositions::of(text).start_of(&self.field)
+        };
         match start.and_then(|start| text.get(..start)) {
             Some(before) => format!("line {}: {}", line_after(before), self.message),
             None => self.message,

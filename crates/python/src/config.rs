@@ -14,16 +14,17 @@ pub struct Config {
 
 #[pymethods]
 impl Config {
-    /// Makes a configuration from the defaults, the TOML text of the file `name`, and single settings, in this order.
+    /// Makes a configuration from the defaults, the text of the file `name`, and single settings, in this order.
     #[new]
     fn new(machine: &str, file: (String, String), settings: Vec<(String, String)>) -> PythonResult<Self> {
-        let (file, toml) = file;
+        let (file, text) = file;
         let machine = MachineInfo::named(machine).map_err(CommandError::usage)?;
-        let given = Overrides { toml, settings };
-        let config = given.load_checked(machine, &budget(MemoryPool::DEFAULT)).map_err(|wrong| match wrong {
+        let in_place = |wrong| match wrong {
             OverridesError::File(error) => CommandError::in_input(&file)(error),
             OverridesError::Settings(error) => CommandError::usage(error),
-        })?;
+        };
+        let given = Overrides::of_file(machine, text, settings).map_err(in_place)?;
+        let config = given.load_checked(machine, &budget(MemoryPool::DEFAULT)).map_err(in_place)?;
         Ok(Self { config, given })
     }
 

@@ -80,13 +80,22 @@ pub enum AnalysisPolicy {
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Overrides {
-    /// Text of a TOML file.
+    /// Text of a file of parameters: TOML, or an object in JSON.
     pub toml: String,
     /// Single settings, applied after the file.
     pub settings: Vec<(String, String)>,
 }
 
 impl Overrides {
+    /// Creates overrides from the text of a file and from single settings. The text of a report stands for its `config`.
+    ///
+    /// # Errors
+    /// A report of another machine, and JSON that is not valid.
+    pub fn of_file(machine: &MachineInfo, text: String, settings: Vec<(String, String)>) -> Result<Self, OverridesError> {
+        let text = machine.config_text(text, |name| format!("use --machine {name}"));
+        Ok(Self { toml: text.map_err(OverridesError::File)?, settings })
+    }
+
     /// Returns the machine's configuration with these overrides, then with `more` settings.
     ///
     /// # Errors
@@ -154,7 +163,7 @@ impl<C: Parameters> OverridesLoader<'_, C> {
     }
 }
 
-/// Upper bound of the memory that parsing a TOML text takes \[times its length\]; reached by short keys with short values.
+/// Upper bound of the memory that parsing a text of parameters takes \[times its length\]; reached by short keys with short values.
 pub const TOML_GROWTH: u64 = 200;
 
 /// Error in the parameters that the user gave, as a sentence.

@@ -42,7 +42,7 @@ pub struct MachineArgs {
     /// The machine [default: the machine of the demo, otherwise bump].
     #[arg(long, value_parser = machine())]
     pub machine: Option<&'static MachineInfo>,
-    /// Parameter file (TOML).
+    /// Parameter file (TOML or JSON), or a report.json, whose `config` is used.
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
     /// Overrides one parameter; repeatable. `basrelief describe` lists the parameters.

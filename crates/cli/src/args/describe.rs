@@ -15,7 +15,7 @@ pub struct DescribeArgs {
     /// Show only units and parameters whose name contains this text, for example `memory.graphics`.
     #[arg(value_name = "FILTER", conflicts_with = "hardware")]
     pub filter: Option<String>,
-    /// Parameter file (TOML); the table shows the resulting values.
+    /// Parameter file (TOML or JSON), or a report.json, whose `config` is used. The table shows the resulting values.
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
     /// Overrides one parameter; repeatable.

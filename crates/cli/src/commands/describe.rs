@@ -28,7 +28,7 @@ pub fn describe(args: &DescribeArgs, global: &GlobalOptions) -> CommandResult {
     }
     let mut text = format!("{} - {}\n\n{}\nUnits\n", machine.name, machine.about, machine.diagram);
     units(&mut text, &machine.units());
-    text.push_str("\nParameters (--set KEY=VALUE, or a TOML file with --config)\n");
+    text.push_str("\nParameters (--set KEY=VALUE, or a file with --config)\n");
     config.parameters().iter().for_each(|p| entry(&mut text, p));
     text.push_str("\nDemo scenes with their machines\n");
     for d in DEMOS {

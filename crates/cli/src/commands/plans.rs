@@ -195,7 +195,7 @@ impl SweepHost for SweepProgram<'_> {
     }
 
     fn text(&self, name: &str) -> Result<String, String> {
-        let read = read_text(&self.path_of(name), "parameters of a machine (TOML)", &self.global.budget);
+        let read = read_text(&self.path_of(name), "parameters of a machine (TOML or JSON)", &self.global.budget);
         read.map(|(text, _)| text).map_err(|failure| failure.to_string())
     }
 

@@ -240,14 +240,20 @@ impl Plan {
     }
 }
 
-/// Returns the parameters of all points as TOML, and their loader.
+/// Returns the text of the parameters of all points, and their loader.
 fn base_of(written: &PlanFile, machine: &MachineInfo, host: &dyn SweepHost) -> Result<(String, ConfigLoader), String> {
     let in_config = |error: String| format!("config: {error}");
+    let in_place = |error: String| format!("{}: {error}", written.config_place());
+    let machine_field = |name: &str| format!("set machine = \"{name}\" in the plan");
     let base = match &written.config {
         None => String::new(),
         Some(BaseConfig::Inline(table)) => toml::to_string(table).map_err(|error| in_config(error.to_string()))?,
-        Some(BaseConfig::File(name)) => host.text(name).map_err(in_config)?,
+        Some(BaseConfig::File(name)) => {
+            machine.config_text(host.text(name).map_err(in_config)?, machine_field).map_err(in_place)?
+        }
     };
-    let loader = machine.loader(&base).map_err(|error| format!("{}: {error}", written.config_place()))?;
+    let loader = machine
+        .loader(&base)
+        .map_err(|error| in_place(TomlFault::of_parameter(error.key(), error.to_string()).at_line(&base)))?;
     Ok((base, loader))
 }
