@@ -160,3 +160,18 @@ fn cycle_limit_reports_state_and_fails() {
     assert!(report["cycles"]["total"].as_u64().is_some_and(|total| (1..=2000).contains(&total)), "{}", report["cycles"]);
     assert_eq!(place.names("out"), ["report.json"]);
 }
+
+#[test]
+fn named_table_without_rows_is_a_note() {
+    let place = Place::new();
+    let notes = |options: &str| place.ok(&format!("run PATCH --size 16x12 --no-exact {options}")).err;
+    let err = notes("--functional --tables bottlenecks,units,fifos");
+    for table in ["bottlenecks", "fifos"] {
+        let note = format!("note: this run has no table `{table}`; omit --functional to have it\n");
+        assert_eq!(err.matches(&note).count(), 1, "{table}: {err}");
+    }
+    let err = notes("--no-bottlenecks --tables costs,bottlenecks");
+    assert!(err.contains("note: this run has no table `bottlenecks`; --bottlenecks makes it\n"), "{err}");
+    assert!(err.contains("note: this run has no table `costs`; a run with --costs has it\n"), "{err}");
+    assert!(!notes("--no-bottlenecks --tables all").contains("note:"));
+}

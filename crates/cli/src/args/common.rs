@@ -100,6 +100,11 @@ impl TablesArgs {
     pub fn selected_tables(&self) -> Vec<TableGroup> {
         self.tables.iter().flat_map(|named| named.0.clone()).collect()
     }
+
+    /// Returns the tables that the user named, in the order of the report. `all` names none.
+    pub fn named_tables(&self) -> impl Iterator<Item = TableGroup> {
+        TableGroup::ALL.into_iter().filter(|table| self.tables.iter().any(|named| named.0 == [*table]))
+    }
 }
 
 /// Kind of tokens in the file of `--tokens`.

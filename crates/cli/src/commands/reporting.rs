@@ -4,6 +4,7 @@ use super::recording::ShortRecording;
 use crate::args::TablesArgs;
 use crate::error::{CommandResult, print_styled};
 use crate::outputs::{OutputFolder, REPORT, RUN_RECORDING, earlier_files};
+use crate::terminal::print_note;
 use basrelief_report::{Report, TextStyle, to_csv, to_text};
 use std::io::{self, Write};
 use std::path::Path;
@@ -40,7 +41,8 @@ pub fn written_line(folder: Option<(&Path, &str)>, others: &[(&str, &Path)]) -> 
     (!written.is_empty()).then(|| format!("\nWritten to {}\n", written.join("\n")))
 }
 
-/// Prints the report.
+/// Prints the report, and a note for each named table that it does not have.
 pub fn show_report(report: &Report, tables: &TablesArgs, style: TextStyle) -> CommandResult {
+    tables.named_tables().filter_map(|table| table.absence(report)).for_each(|note| print_note(&format!("note: {note}")));
     print_styled(&to_text(report, style, &tables.selected_tables()), style)
 }

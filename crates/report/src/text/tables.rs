@@ -88,6 +88,25 @@ impl TableGroup {
         }
     }
 
+    /// Returns a note about a table without rows, which names the option that makes the table; `None` if the report has rows.
+    pub fn absence(self, report: &Report) -> Option<String> {
+        let has_time = report.cycles.is_some();
+        let cure = match self {
+            _ if !self.of(report).is_empty() => return None,
+            Self::Quality => "it needs the reference image, so omit --no-exact",
+            Self::Machine | Self::Hardware | Self::Figures => "the machine has nothing to list there",
+            Self::Costs if has_time => "a run with --costs has it",
+            Self::Sensitivity if has_time => "a run with --sensitivity has it",
+            Self::Bottlenecks if has_time && report.outcome.is_complete() => "--bottlenecks makes it",
+            Self::Bottlenecks if has_time => "only complete runs have it",
+            _ if has_time => "the run has nothing to list there",
+            Self::Costs => "a run with --costs, without --functional, has it",
+            Self::Sensitivity => "a run with --sensitivity, without --functional, has it",
+            _ => "omit --functional to have it",
+        };
+        Some(format!("this run has no table `{}`; {cure}", self.name()))
+    }
+
     /// Tables with rows, each with its caption.
     pub(crate) fn of(self, report: &Report) -> Vec<(String, Table)> {
         let captioned = |caption: String, table: Table| if table.is_empty() { vec![] } else { vec![(caption, table)] };
@@ -167,4 +186,24 @@ fn filled_behind(report: &Report) -> Vec<&str> {
     let empty = |histogram: &[u64]| histogram.first().copied().unwrap_or(0);
     let fifos = report.fifos.iter().flatten().filter(|(_, fifo)| empty(&fifo.histogram) < drain);
     fifos.map(|(name, _)| name.as_str()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples;
+
+    #[test]
+    fn absent_table_names_its_option() {
+        let note = |report: &Report, table: TableGroup| table.absence(report).unwrap_or_default();
+        let report = samples::balanced();
+        assert_eq!(note(&report, TableGroup::Units), "");
+        assert_eq!(note(&report, TableGroup::Costs), "this run has no table `costs`; a run with --costs has it");
+        let functional = samples::functional();
+        assert_eq!(note(&functional, TableGroup::Fifos), "this run has no table `fifos`; omit --functional to have it");
+        let words = "this run has no table `costs`; a run with --costs, without --functional, has it";
+        assert_eq!(note(&functional, TableGroup::Costs), words);
+        let words = "this run has no table `bottlenecks`; only complete runs have it";
+        assert_eq!(note(&samples::deadlocked(), TableGroup::Bottlenecks), words);
+    }
 }
