@@ -14,6 +14,7 @@ mod defer;
 mod error_cures;
 mod import_warnings;
 mod interrupt;
+mod json_config;
 #[cfg(unix)]
 mod limits;
 mod machines;

@@ -92,6 +92,16 @@ def test_a_configuration_from_a_file_is_that_of_the_program(program: Program, tm
     assert machine.describe()["value"] == [row["value"] for row in described]
 
 
+def test_a_report_is_a_configuration(tmp_path: Path) -> None:
+    machine = basrelief.Machine("shade", **{"shade.mode": "normal"})
+    report = machine.run(basrelief.demo("ellipsoid@1", size=(16, 12)), exact=False).report
+    for name, content in (("report.json", report), ("config.json", report["config"])):
+        (tmp_path / name).write_text(json.dumps(content))
+        assert basrelief.Machine("shade", tmp_path / name).describe()["value"] == machine.describe()["value"]
+    with pytest.raises(basrelief.InputError, match="is a report of machine `shade`, and this is `bump`"):
+        basrelief.Machine("bump", tmp_path / "report.json")
+
+
 def test_a_page_a_text_and_a_comparison_are_those_of_the_program(program: Program, tmp_path: Path) -> None:
     machine, scene = basrelief.Machine("bump"), basrelief.demo("golf-ball", size=(64, 48))
     results = {}

@@ -21,12 +21,12 @@ def machines() -> dict[str, str]:
 
 
 class Machine:
-    """A machine with its parameters: the defaults, overridden by `config` (a TOML file or a mapping), overridden by single parameters.
+    """A machine with its parameters: the defaults, overridden by `config` (a file or a mapping), overridden by single parameters.
 
     >>> Machine("shade", **{"shade.mode": "normal"})
     Machine('shade', **{'shade.mode': 'normal'})
 
-    Files and values have the form of `--config` and `--set`. Raises `UsageError` for an unknown or invalid parameter, and `InputError`
+    Files and values have the form of `--config` and `--set`: a file is TOML, JSON, or a report.json, whose `config` is used. Raises `UsageError` for an unknown or invalid parameter, and `InputError`
     for an error in the file.
     """
 
