@@ -108,7 +108,7 @@ mod tests {
         assert_eq!(error("{\n\"a\" 1}"), "not valid JSON: line 2, column 5: expected `:`");
         let dots = "line 2: `a.b`: has dots, which make one name of several; expected objects in objects, as in a report.json";
         assert_eq!(error("{\n\"a.b\": 1}"), dots);
-        assert_eq!(error("{\"a\":{\"c\":1,\n\"b\":1, \"b\": 2}}"), "line 2: `a.b`: duplicate key");
+        assert_eq!(error("{\"a\":{\"c\":1,\n\"b\":1, \"b\": 2}}"), "line 2: `a.b`: duplicate key: `b`");
     }
 
     #[test]
