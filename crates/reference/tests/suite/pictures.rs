@@ -163,8 +163,9 @@ fn back_face_normals_reverse_on_request() {
     };
     let front = draw(IDENTITY, false);
     assert_eq!(draw(IDENTITY, true), front);
-    assert_eq!(draw(behind, true), front);
-    assert_ne!(draw(behind, false), front);
+    assert_eq!(draw(behind, true).rgb, front.rgb);
+    assert_ne!(draw(behind, false).rgb, front.rgb);
+    assert_eq!([draw(behind, true).backs, front.backs], [covered(&front), 0]);
 }
 
 #[test]
