@@ -31,8 +31,14 @@ pub fn vega(table: &Table) -> Value {
         colour["scale"]["scheme"] = "viridis".into();
         colour["scale"]["reverse"] = true.into();
     }
-    // One line for each input.
-    let apart = input_column(table).map_or(json!({}), |at| json!({ "detail": { "field": field(&table.columns[at].name) } }));
+    let mut line = json!({
+        "transform": [{ "filter": "datum.line" }],
+        "mark": { "type": "line", "interpolate": stair(table), "color": "#b8432c" },
+    });
+    if let Some(input) = input_column(table) {
+        // One line for each input.
+        line["encoding"] = json!({ "detail": { "field": field(&table.columns[input].name) } });
+    }
     json!({
         "$schema": SCHEMA,
         "title": table.title,
@@ -41,11 +47,7 @@ pub fn vega(table: &Table) -> Value {
         "data": { "name": "points", "values": points(table, &told) },
         "encoding": encoding(across, upright),
         "layer": [
-            {
-                "transform": [{ "filter": "datum.line" }],
-                "mark": { "type": "line", "interpolate": stair(table), "color": "#b8432c" },
-                "encoding": apart,
-            },
+            line,
             {
                 "mark": { "type": "point", "filled": true },
                 "encoding": {
