@@ -12,9 +12,8 @@ use std::marker::PhantomData;
 use toml::{Table, Value};
 
 /// Reads a configuration: defaults, then the text, then single settings in order. The text is TOML, or an object of parameters in JSON.
-/// Dependent parameters
-/// ([`Parameters::complete`]) that the user has not set replace their defaults last, so the order of the settings does not
-/// matter.
+/// Dependent parameters ([`Parameters::complete`]) that the user has not set replace their defaults last, so the order of the settings
+/// does not matter.
 ///
 /// A setting's value is TOML (`32`, `[256, 128]`, `true`). Any other text is a string, so `replacement.codebook=fixed` needs no
 /// quotes.

@@ -92,7 +92,7 @@ impl Overrides {
     /// # Errors
     /// A report of another machine, and JSON that is not valid.
     pub fn of_file(machine: &MachineInfo, text: String, settings: Vec<(String, String)>) -> Result<Self, OverridesError> {
-        let text = machine.config_text(text, |name| format!("use --machine {name}"));
+        let text = machine.config_text(text, machine_option);
         Ok(Self { toml: text.map_err(OverridesError::File)?, settings })
     }
 
@@ -125,7 +125,7 @@ impl Overrides {
     pub fn load_checked(&self, machine: &MachineInfo, budget: &MemoryPool) -> Result<MachineConfig, OverridesError> {
         let growth = budget.try_reserve(TOML_GROWTH * self.toml.len() as u64, "the values of a configuration");
         let _growth = growth.map_err(|error| OverridesError::File(error.to_string()))?;
-        let explain = |error: &ConfigError| machine.explain(error, |name| format!("use --machine {name}"));
+        let explain = |error: &ConfigError| machine.explain(error, machine_option);
         // Single settings may repair a file whose parameters do not fit together, and vice versa.
         let file_fits = match machine.load(&self.toml, &[]) {
             Err(ConfigError::Unfit { .. }) => false,
@@ -161,6 +161,11 @@ impl<C: Parameters> OverridesLoader<'_, C> {
     pub(crate) fn load(&self, more: &[(String, String)]) -> Result<C, ConfigError> {
         self.loader.load(&self.overrides.with_overrides(more))
     }
+}
+
+/// Cure for parameters of another machine.
+fn machine_option(name: &str) -> String {
+    format!("use --machine {name}")
 }
 
 /// Upper bound of the memory that parsing a text of parameters takes \[times its length\]; reached by short keys with short values.

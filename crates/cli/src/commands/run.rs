@@ -12,8 +12,7 @@ use crate::progress::{InputProgress, Progress};
 use crate::scene_input::{demo_of, open_scene, scene_error};
 use basrelief_sim::{MACHINES, RunInput};
 use basrelief_tile_server::preview::LivePreview;
-use std::path::Path;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 /// Draws a demo scene.

@@ -42,6 +42,8 @@ pub(super) struct SweepView<'a> {
     pub(super) drawn: Vec<usize>,
     /// Columns that can be drawn: objectives, axes, constrained figures, requested columns, then others.
     pub(super) shown: Vec<DrawnColumn>,
+    /// Number of each row's input.
+    pub(super) inputs: Vec<usize>,
     on_front: BTreeSet<usize>,
     /// Ties of points on the front, each with its point.
     ties: BTreeMap<usize, usize>,
@@ -62,7 +64,8 @@ impl<'a> SweepView<'a> {
         let (kept, others): (Vec<usize>, Vec<usize>) = (0..table.rows.len()).filter(run).partition(|row| defaults.contains(row));
         let others = thinned(&others, MOST_ROWS - best.len() - kept.len());
         let drawn = others.into_iter().chain(kept).chain(best).collect();
-        Self { table, drawn, shown: drawn_columns(table, options), on_front, ties, defaults, front }
+        let (shown, inputs) = (drawn_columns(table, options), crate::front::input_numbers(table));
+        Self { table, drawn, shown, inputs, on_front, ties, defaults, front }
     }
 
     /// Returns true if a row is on the front.

@@ -2,7 +2,6 @@
 
 use super::data::SweepView;
 use super::labels;
-use crate::front::input_numbers;
 use crate::table::PointState;
 use basrelief_report::html::markup::{Html, details, el, el_text, text};
 use basrelief_report::html::{Align, with_cells};
@@ -21,9 +20,8 @@ pub(super) fn front(sweep: &SweepView<'_>) -> Html {
     let Some((first, goal)) = sweep.table.objectives().next() else { return Html::default() };
     let cost = |row: usize| sweep.table.rows[row].cells.get(first).and_then(|cell| Some(goal.cost(cell.number()?)));
     let mut rows = sweep.front.clone();
-    let inputs = input_numbers(sweep.table);
     let by_cost = |a: usize, b: usize| cost(a).unwrap_or(f64::MAX).total_cmp(&cost(b).unwrap_or(f64::MAX));
-    rows.sort_by(|&a, &b| inputs[a].cmp(&inputs[b]).then(by_cost(a, b)));
+    rows.sort_by(|&a, &b| sweep.inputs[a].cmp(&sweep.inputs[b]).then(by_cost(a, b)));
     rows.truncate(MOST);
     let pictures = rows.iter().any(|&row| sweep.table.rows[row].picture.is_some());
     let headers: Vec<String> = told.iter().map(|&at| sweep.header(at)).collect();

@@ -3,7 +3,7 @@
 use super::data::{COLOURS, SweepView, colour};
 use super::labels::{self, shortened};
 use super::scale::{ColumnScale, WHOLE};
-use crate::front::{front_by, input_column, input_numbers};
+use crate::front::{front_by, input_column};
 use crate::rules::ObjectiveDirection;
 use crate::table::ColumnRole;
 use basrelief_report::html::markup::{Html, el, el_text, text};
@@ -132,10 +132,9 @@ fn stairs(
     b: (usize, ObjectiveDirection),
     [across, upright]: [&ColumnScale; 2],
 ) -> String {
-    let inputs = input_numbers(sweep.table);
     let front = front_by(sweep.table, &[a, b]).into_iter();
     let mut steps: Vec<(usize, u32, u32)> =
-        front.filter_map(|row| Some((inputs[row], across.at[row]?, upright.at[row]?))).collect();
+        front.filter_map(|row| Some((sweep.inputs[row], across.at[row]?, upright.at[row]?))).collect();
     steps.sort_unstable();
     steps.dedup();
     let better_right = a.1 == ObjectiveDirection::Max;

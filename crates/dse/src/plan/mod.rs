@@ -213,7 +213,7 @@ impl Plan {
 
     /// Describes an error of a parameter in the plan.
     fn explain(&self, error: &ConfigError) -> String {
-        self.machine.explain(error, |name| format!("set machine = \"{name}\" in the plan"))
+        self.machine.explain(error, machine_field)
     }
 
     /// Replaces figures by their paths and checks that each exists. Without a trial run nothing is checked.
@@ -240,11 +240,15 @@ impl Plan {
     }
 }
 
+/// Cure for parameters of another machine.
+fn machine_field(name: &str) -> String {
+    format!("set machine = \"{name}\" in the plan")
+}
+
 /// Returns the text of the parameters of all points, and their loader.
 fn base_of(written: &PlanFile, machine: &MachineInfo, host: &dyn SweepHost) -> Result<(String, ConfigLoader), String> {
     let in_config = |error: String| format!("config: {error}");
     let in_place = |error: String| format!("{}: {error}", written.config_place());
-    let machine_field = |name: &str| format!("set machine = \"{name}\" in the plan");
     let base = match &written.config {
         None => String::new(),
         Some(BaseConfig::Inline(table)) => toml::to_string(table).map_err(|error| in_config(error.to_string()))?,

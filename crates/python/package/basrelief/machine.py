@@ -26,8 +26,8 @@ class Machine:
     >>> Machine("shade", **{"shade.mode": "normal"})
     Machine('shade', **{'shade.mode': 'normal'})
 
-    Files and values have the form of `--config` and `--set`: a file is TOML, JSON, or a report.json, whose `config` is used. Raises `UsageError` for an unknown or invalid parameter, and `InputError`
-    for an error in the file.
+    Files and values have the form of `--config` and `--set`: a file is TOML, JSON, or a report.json, whose `config` is used. Raises
+    `UsageError` for an unknown or invalid parameter, and `InputError` for an error in the file.
     """
 
     __slots__ = ("_config", "_made")

@@ -17,8 +17,8 @@ pub fn comparisons_text(first: (&str, &Report), others: &[((&str, &Report), &Com
     std::iter::once(overview(&reports, style)).chain(pairs).collect()
 }
 
-/// Returns render cycles, time of a frame, memory bytes, area and PSNR of each report, each with its change from the first report, with a line feed at
-/// the end.
+/// Returns render cycles, time of a frame, memory bytes, area and PSNR of each report, each with its change from the first report, with a
+/// line feed at the end.
 fn overview(reports: &[(&str, &Report)], style: TextStyle) -> String {
     let mut kinds: Vec<String> = reports.iter().map(|(_, report)| work(report).one).collect();
     kinds.dedup();

@@ -16,15 +16,13 @@ pub(super) struct PictureChecks {
 impl PictureChecks {
     /// Checks the image of a frame. `exact`: its reference image.
     pub(super) fn add(&mut self, frame: usize, image: &RgbPicture, exact: Option<&RgbPicture>) {
-        let drawn = |picture: &RgbPicture| picture.covered.iter().filter(|covered| **covered).count();
         self.images += 1;
+        let (of_exact, backs) = exact.map_or((0, 0), |exact| (drawn(exact), exact.backs));
         // A user may leave a view before the machine has drawn anything of it.
-        if drawn(image) + exact.map_or(0, drawn) == 0 {
+        if of_exact == 0 && drawn(image) == 0 {
             self.empty.push(frame);
         }
-        if let Some(exact) = exact {
-            self.behind_percent = self.behind_percent.max((100 * exact.backs).checked_div(drawn(exact)).unwrap_or(0));
-        }
+        self.behind_percent = self.behind_percent.max((100 * backs).checked_div(of_exact).unwrap_or(0));
     }
 
     /// Returns the warnings. `of_scene`: the reference images are drawn from a scene.
@@ -46,15 +44,19 @@ impl PictureChecks {
     fn nothing(&self, facts: &UnitStats) -> Option<String> {
         let (empty, images) = (self.empty.len(), self.images);
         let first = self.empty.first()?;
-        Some(
-            if empty < images {
-                format!("{empty} of {images} images are empty, the first in frame {first}: no triangle covers a pixel there")
-            } else {
-                let which = if images > 1 { format!("all {images} images are empty") } else { "the image is empty".to_owned() };
-                format!("{which}: no triangle covers a pixel{}; choose another view", causes(facts))
-            } + ". Quality figures of empty images are those of identical images",
-        )
+        let which = if empty < images {
+            format!("{empty} of {images} images are empty, the first in frame {first}: no triangle covers a pixel there")
+        } else {
+            let all = if images > 1 { format!("all {images} images are empty") } else { "the image is empty".to_owned() };
+            format!("{all}: no triangle covers a pixel{}; choose another view", causes(facts))
+        };
+        Some(format!("{which}. Quality figures of empty images are those of identical images"))
     }
+}
+
+/// Number of drawn pixels.
+fn drawn(picture: &RgbPicture) -> usize {
+    picture.covered.iter().filter(|covered| **covered).count()
 }
 
 /// Returns the numbers of triangles by the reason why they are not drawn. Traces have polygons instead.
