@@ -26,6 +26,7 @@ fn full(name: &str) -> Report {
         set: vec![format!("ideal.units={}", names.join(","))],
         cycles,
         saved: 1.0 - cycles as f64 / samples::TOTAL as f64,
+        relaxes_all: false,
     };
     let ladder = vec![rung(&["replacement"], samples::TOTAL - 700_000), rung(&["replacement", "reader"], 200_000)];
     report.bottlenecks = Some(Bottlenecks { balanced: None, ladder, single: vec![limit(700_000), limit(0)] });

@@ -114,7 +114,8 @@ pub struct Bottlenecks {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub balanced: Option<RelaxedSet>,
     /// Bottleneck ladder, from first to last rung. Each rung relaxes the resources of the rung before it, and the resource that holds
-    /// most of the critical path then, together with units that are busy equally long. It ends where no further relaxation saves cycles.
+    /// most of the critical path then, together with units that are busy equally long. The last rung relaxes all other resources, once
+    /// they save at most a twentieth of what all resources save.
     pub ladder: Vec<RelaxedSet>,
     /// Cycles saved when one resource is relaxed, largest saving first.
     pub single: Vec<RelaxedCycles>,
@@ -131,6 +132,9 @@ pub struct RelaxedSet {
     pub cycles: u64,
     /// Saved share of the render cycles, 0 to 1.
     pub saved: f64,
+    /// True for the last rung of a ladder, which relaxes all resources.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub relaxes_all: bool,
 }
 
 /// Reads bottlenecks. Reports of schema 2 list single relaxations only.

@@ -88,6 +88,8 @@ fn relaxation_in_words(limit: &RelaxedCycles) -> String {
 pub(crate) struct LadderRow<'a> {
     /// Resources that this rung relaxes; empty for the run itself.
     pub(crate) added: &'a [String],
+    /// True if the rung relaxes all other resources.
+    pub(crate) relaxes_all: bool,
     pub(crate) set: &'a [String],
     pub(crate) cycles: u64,
     /// Render cycles of the rung before it.
@@ -99,7 +101,11 @@ pub(crate) struct LadderRow<'a> {
 impl LadderRow<'_> {
     /// Name of the row: the added resources.
     pub(crate) fn name(&self) -> String {
-        if self.added.is_empty() { "as simulated".into() } else { format!("+ {}", self.added.join(", ")) }
+        match self.added {
+            [] => "as simulated".into(),
+            [_, _, ..] if self.relaxes_all => "+ all other resources".into(),
+            added => format!("+ {}", added.join(", ")),
+        }
     }
 }
 
@@ -107,8 +113,9 @@ impl LadderRow<'_> {
 pub(crate) fn ladder(report: &Report) -> Vec<LadderRow<'_>> {
     let total = report.frame_cycles();
     let rungs: &[RelaxedSet] = report.bottlenecks.as_ref().map_or(&[], |of| &of.ladder);
-    let row = |(added, set, cycles, before)| LadderRow {
+    let row = |added, relaxes_all, set, cycles, before| LadderRow {
         added,
+        relaxes_all,
         set,
         cycles,
         before,
@@ -117,11 +124,12 @@ pub(crate) fn ladder(report: &Report) -> Vec<LadderRow<'_>> {
     let mut rows = vec![];
     let (mut known, mut before) = (0, total);
     for rung in rungs {
-        rows.push(row((rung.relaxed.get(known..).unwrap_or_default(), rung.set.as_slice(), rung.cycles, before)));
+        let added = rung.relaxed.get(known..).unwrap_or_default();
+        rows.push(row(added, rung.relaxes_all, rung.set.as_slice(), rung.cycles, before));
         (known, before) = (rung.relaxed.len(), rung.cycles);
     }
     if !rows.is_empty() {
-        rows.insert(0, row((&[], &[], total, total)));
+        rows.insert(0, row(&[], false, &[], total, total));
     }
     rows
 }
@@ -226,8 +234,10 @@ mod tests {
             set: vec![format!("ideal.units={}", names.join(","))],
             cycles: ((1.0 - saved) * total as f64) as u64,
             saved,
+            relaxes_all: names.len() > 4,
         };
-        let ladder = vec![rung(&["a"], 0.0), rung(&["a", "b", "c"], 0.5), rung(&["a", "b", "c", "d"], 0.75)];
+        let ladder = [&["a"][..], &["a", "b", "c"], &["a", "b", "c", "d"], &["a", "b", "c", "d", "e", "f"]];
+        let ladder = ladder.into_iter().zip([0.0, 0.5, 0.75, 0.8]).map(|(names, saved)| rung(names, saved)).collect();
         let one = limit("a", FULLY_PIPELINED, total / 50, total);
         report.bottlenecks = Some(Bottlenecks { balanced: Some(rung(&["a", "b"], 0.5)), ladder, single: vec![one] });
         let text = sentence(&report).unwrap();
@@ -239,7 +249,12 @@ mod tests {
         );
         assert_eq!(text, expected);
         let line = ladder_line(&report).unwrap();
-        assert!(line.starts_with("Bottleneck ladder, saved so far: + a 0 %; + b, c 50 %; + d 75 %. Peak: "), "{line}");
-        assert_eq!(ladder_table(&report).rows().len(), 4);
+        assert!(
+            line.starts_with(
+                "Bottleneck ladder, saved so far: + a 0 %; + b, c 50 %; + d 75 %; + all other resources 80 %. Peak: "
+            ),
+            "{line}"
+        );
+        assert_eq!(ladder_table(&report).rows().len(), 5);
     }
 }

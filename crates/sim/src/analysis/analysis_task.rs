@@ -8,9 +8,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// A task for a worker thread.
 pub(super) enum AnalysisTask {
     Path,
+    /// Finds the cycles with these settings, which the ladder needs.
+    Cycles(Settings),
     Resimulate(Relaxation),
-    /// Climbs the ladder from the critical path.
-    Climb(CriticalPath),
+    /// Climbs the ladder from the critical path. The relaxations are made alone, too.
+    Climb(CriticalPath, Vec<Relaxation>),
     /// Finds a critical path that the ladder may need, unless it has left the rung of this number, counted from 0.
     LikelyPath(Settings, usize),
 }

@@ -1,7 +1,7 @@
 //! Bottleneck analysis: each candidate is relaxed in turn, then groups of them, and the recorded steps are resimulated.
 
 use super::analysis_task::{AnalysisTask, PathsAhead};
-use super::ladder::{Ladder, LadderSearch};
+use super::ladder::{Ladder, LadderSearch, all_settings};
 use super::relaxations::{Relaxation, RelaxationCandidates, Settings, busiest_unit, joined_settings, with_equals};
 use super::resimulations::Resimulations;
 use crate::options::{Overrides, OverridesLoader};
@@ -129,13 +129,14 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
         let is_parallel = threads::workers() > 1;
         let all = resources.all();
         let busiest = busiest_unit(&all, self.run.marked_cycles()).filter(|_| is_parallel);
-        let first = [AnalysisTask::Path].into_iter().chain(busiest.map(|unit| self.early_task(unit, &all)));
+        let early = busiest.map(|unit| self.early_task(unit, &all));
+        let first = [AnalysisTask::Path].into_iter().chain(early).chain([AnalysisTask::Cycles(all_settings(&all))]);
         let (progress, climbed) = (Mutex::<AnalysisProgress>::default(), AtomicUsize::new(0));
         threads::run_tasks(first, |task, tasks| match task {
             AnalysisTask::Path => {
                 let path = resimulations.grouped_path(netlist.clone(), self.groups);
                 let candidates = resources.on_path(&all, path.as_ref());
-                tasks.add(path.clone().map(AnalysisTask::Climb));
+                tasks.add(path.clone().map(|path| AnalysisTask::Climb(path, candidates.clone())));
                 tasks.add(candidates.iter().cloned().map(AnalysisTask::Resimulate));
                 let mut progress = threads::lock(&progress);
                 (progress.path, progress.candidates) = (path, candidates);
@@ -146,9 +147,10 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
                     tasks.add(relaxation.parts.into_iter().map(AnalysisTask::Resimulate));
                 }
             }
-            AnalysisTask::Climb(path) => {
+            AnalysisTask::Cycles(set) => _ = resimulations.cycles(&set),
+            AnalysisTask::Climb(path, candidates) => {
                 let ahead = PathsAhead::new(is_parallel.then_some(tasks), &climbed);
-                let ladder = LadderSearch { relaxations: &all, resimulations, ahead }.climb(&path);
+                let ladder = LadderSearch { relaxations: &all, candidates: &candidates, resimulations, ahead }.climb(&path);
                 threads::lock(&progress).ladder = ladder;
             }
             AnalysisTask::LikelyPath(set, rung) => {

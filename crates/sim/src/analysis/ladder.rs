@@ -1,5 +1,5 @@
 //! Bottleneck ladder: relaxes the resource that holds most of the critical path, finds the new critical path, and continues with it.
-//! Units that are busy equally long are relaxed together.
+//! Units that are busy equally long are relaxed together. The last rung relaxes everything else.
 //!
 //! A relaxation of one resource saves nothing if several resources are saturated together. The ladder finds such a group, because it
 //! continues from each rung whether the rung saved cycles or not.
@@ -14,19 +14,24 @@ use basrelief_report::model::RelaxedSet;
 const RUNGS: usize = 16;
 /// A resource whose relaxation alone saves this share of the ladder's saving is the bottleneck by itself \[1 / share\].
 const ALONE: u64 = 3;
-/// A choice saves little if it saves no more than this share of the cycles \[1 / share\].
+/// A choice saves little if it saves no more than this share of the cycles \[1 / share\]. The ladder ends with everything else if that
+/// saves little of the ladder's saving.
 const LITTLE: u64 = 20;
 
-/// Relaxed resources, and the critical path with them.
+/// Relaxed resources, and the cycles with them.
 struct Rung<'a> {
     relaxed: Vec<&'a Relaxation>,
     cycles: u64,
+    /// True if these are all resources.
+    relaxes_all: bool,
 }
 
 /// Search for the ladder of a run.
 pub(crate) struct LadderSearch<'a> {
     /// Every resource that can be relaxed, in the order of the block diagram.
     pub(crate) relaxations: &'a [Relaxation],
+    /// Those of them that are relaxed alone.
+    pub(crate) candidates: &'a [Relaxation],
     pub(crate) resimulations: &'a Resimulations<'a>,
     pub(crate) ahead: PathsAhead<'a>,
 }
@@ -35,7 +40,8 @@ pub(crate) struct LadderSearch<'a> {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Ladder {
     pub(crate) rungs: Vec<RelaxedSet>,
-    /// Rung of the ladder that saves half of what the last one saves, without resources that add nothing to it.
+    /// Rung of the ladder that saves half of what the last one saves, without resources that add nothing to it. `None` if one resource
+    /// alone saves much of that.
     pub(crate) half: Option<RelaxedSet>,
 }
 
@@ -43,8 +49,13 @@ impl Ladder {
     /// Returns the resources that limit the run together; `None` if one of them alone saves much of what the ladder saves.
     pub(crate) fn balanced(&self, total: u64, best_single: u64) -> Option<RelaxedSet> {
         let most = self.rungs.last().map_or(0, |rung| total.saturating_sub(rung.cycles));
-        self.half.clone().filter(|half| half.relaxed.len() > 1 && best_single < most / ALONE)
+        self.half.clone().filter(|half| half.relaxed.len() > 1 && is_far_below(best_single, most))
     }
+}
+
+/// True if a resource alone saves little of what the ladder saves.
+fn is_far_below(single: u64, ladder: u64) -> bool {
+    single < ladder / ALONE
 }
 
 impl LadderSearch<'_> {
@@ -54,26 +65,44 @@ impl LadderSearch<'_> {
         let rungs = self.rungs(first);
         let saved = |rung: &Rung<'_>| total.saturating_sub(rung.cycles);
         let most = rungs.last().map_or(0, saved);
-        let half =
-            rungs.iter().find(|rung| 2 * saved(rung) >= most).map(|rung| relaxed_set(&self.without_idle(rung, total), total));
+        let half = rungs.iter().find(|rung| 2 * saved(rung) >= most).filter(|_| is_far_below(self.best_single(total), most));
+        let half = half.map(|rung| relaxed_set(&self.without_idle(rung, total), total));
         Ladder { rungs: rungs.iter().map(|rung| relaxed_set(rung, total)).collect(), half }
+    }
+
+    /// Returns the most cycles that one resource saves.
+    fn best_single(&self, total: u64) -> u64 {
+        let saved = |one: &Relaxation| Some(total.saturating_sub(self.resimulations.cycles(&one.set)?));
+        self.candidates.iter().filter_map(saved).max().unwrap_or_default()
     }
 
     /// Returns the rungs up to the last one that saves cycles.
     fn rungs(&self, first: &CriticalPath) -> Vec<Rung<'_>> {
         let mut rungs: Vec<Rung<'_>> = vec![];
         let mut path = first.clone();
-        while rungs.len() < RUNGS {
+        let all = self.everything();
+        let enough = all.map(|cycles| cycles + first.cycles.saturating_sub(cycles) / LITTLE);
+        while rungs.len() < RUNGS && enough.is_none_or(|enough| path.cycles > enough) {
             let relaxed = rungs.last().map_or(vec![], |rung| rung.relaxed.clone());
             self.ahead.begin_rung(rungs.len());
             let Some((relaxed, next)) = self.next(&path, &relaxed) else { break };
-            rungs.push(Rung { relaxed, cycles: next.cycles });
+            rungs.push(Rung { relaxed, cycles: next.cycles, relaxes_all: false });
             path = next;
+        }
+        if let Some(cycles) = all.filter(|_| !rungs.is_empty()) {
+            let relaxed = rungs.last().map_or(vec![], |rung| rung.relaxed.clone());
+            let rest = self.not_in(&relaxed).collect();
+            rungs.push(Rung { relaxed: [relaxed, rest].concat(), cycles, relaxes_all: true });
         }
         let least = rungs.iter().map(|rung| rung.cycles).min().filter(|least| *least < first.cycles);
         let last = rungs.iter().position(|rung| Some(rung.cycles) == least);
         rungs.truncate(last.map_or(0, |last| last + 1));
         rungs
+    }
+
+    /// Returns the cycles with everything relaxed.
+    fn everything(&self) -> Option<u64> {
+        self.resimulations.cycles(&all_settings(self.relaxations))
     }
 
     /// Relaxes the resource with most of the path and its equals. If that saves little, it tries all FIFOs whose slots the path waits for
@@ -130,12 +159,12 @@ impl LadderSearch<'_> {
 
     /// Returns the rung without the resources that add no more than 1/[`PART`] of the cycles to its saving.
     fn without_idle<'a>(&self, rung: &Rung<'a>, total: u64) -> Rung<'a> {
-        let mut needed = Rung { relaxed: rung.relaxed.clone(), cycles: rung.cycles };
+        let mut needed = Rung { relaxed: rung.relaxed.clone(), ..*rung };
         for resource in &rung.relaxed {
             let rest: Vec<&Relaxation> = needed.relaxed.iter().copied().filter(|of| !std::ptr::eq(*of, *resource)).collect();
             let cycles = if rest.is_empty() { Some(total) } else { self.resimulations.cycles(&settings(&rest)) };
             if let Some(cycles) = cycles.filter(|cycles| *cycles <= rung.cycles + total / PART) {
-                needed = Rung { relaxed: rest, cycles };
+                needed = Rung { relaxed: rest, cycles, relaxes_all: false };
             }
         }
         needed
@@ -146,11 +175,17 @@ fn settings(relaxed: &[&Relaxation]) -> Settings {
     joined_settings(relaxed.iter().map(|of| &of.set))
 }
 
+/// Returns the settings that relax all of these.
+pub(crate) fn all_settings(relaxations: &[Relaxation]) -> Settings {
+    joined_settings(relaxations.iter().map(|of| &of.set))
+}
+
 fn relaxed_set(rung: &Rung<'_>, total: u64) -> RelaxedSet {
     RelaxedSet {
         relaxed: rung.relaxed.iter().map(|of| of.id()).collect(),
         set: settings(&rung.relaxed).into_iter().map(|(key, value)| format!("{key}={value}")).collect(),
         cycles: rung.cycles,
         saved: basrelief_report::number::round6(1.0 - rung.cycles as f64 / total.max(1) as f64),
+        relaxes_all: rung.relaxes_all,
     }
 }

@@ -109,6 +109,22 @@ fn unrelaxed_units_bound_each_rung() {
     }
 }
 
+// Claim: analysis: A ladder relaxes all other resources at once as soon as they save at most a twentieth of what all save.
+#[test]
+fn last_rung_relaxes_all_other_resources() {
+    for machine in MACHINES {
+        let whole = ran(machine, machine.demos[0], [40, 30], &vec![], AnalysisPolicy::Always);
+        let of = bottlenecks(&whole);
+        let (last, before) = of.ladder.split_last().expect("a ladder");
+        assert!(last.relaxes_all && before.iter().all(|rung| !rung.relaxes_all), "{}: {:?}", machine.name, of.ladder);
+        let single = of.single.iter().filter(|single| !last.relaxed.contains(&single.resource)).collect::<Vec<_>>();
+        assert!(single.is_empty(), "{}: {single:?}", machine.name);
+        let saves_enough = |rung: &RelaxedSet| 20 * (rung.cycles - last.cycles) <= whole.frame_cycles() - last.cycles;
+        let (stop, earlier) = before.split_last().expect("a rung of some resources");
+        assert!(saves_enough(stop) && !earlier.iter().any(saves_enough), "{}: {:?}", machine.name, of.ladder);
+    }
+}
+
 // Claim: analysis: A ladder tells a memory from a unit of the same name.
 #[test]
 fn resources_of_a_ladder_have_names_of_their_own() {
