@@ -103,6 +103,28 @@ fn time_line_of_few_cycles_and_units_is_small() {
 }
 
 #[test]
+fn time_line_after_the_end_of_the_run_is_warned_of() {
+    let place = Place::new();
+    let warning = "warning: timelines and waveforms are empty: they start at cycle 100,000,000, but the run has ";
+    for (first, is_empty) in [("100000000", true), ("0", false)] {
+        let said = place.ok(&format!("{SMALL} --timeline late.pftrace --from-cycle {first}")).out;
+        assert_eq!(said.contains(warning), is_empty, "{said}");
+        assert_eq!(place.report("out")["warnings"].to_string().contains("waveforms are empty"), is_empty);
+    }
+}
+
+#[test]
+fn underruns_of_the_display_are_warned_of() {
+    let place = Place::new();
+    for (bytes, is_late) in [(64, true), (2048, false)] {
+        place.ok(&format!("demo cut-plane --size 64x48 --no-exact --no-bottlenecks --set display.burst_bytes={bytes} --out out"));
+        let report = place.report("out");
+        assert_eq!(report["display"]["underruns"].as_u64() > Some(0), is_late, "{bytes}");
+        assert_eq!(report["warnings"].to_string().contains("(underruns)"), is_late, "{}", report["warnings"]);
+    }
+}
+
+#[test]
 fn waves_over_memory_limit_leave_no_file() {
     let place = Place::new();
     let error = place.run("demo ellipsoid@1 --size 64x48 --waves w.fst --memory-limit 20KiB");

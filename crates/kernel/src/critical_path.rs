@@ -15,11 +15,14 @@ pub enum RequestPhase {
     Order,
     /// The data pass the cache.
     Cache,
+    /// A flip waits for its time, or a wait for the end of a hold (law 4).
+    Periodic,
 }
 
 impl RequestPhase {
     /// All phases, in order.
-    pub(crate) const ALL: [Self; 6] = [Self::Arrival, Self::Bus, Self::Bank, Self::Data, Self::Order, Self::Cache];
+    pub(crate) const ALL: [Self; 7] =
+        [Self::Arrival, Self::Bus, Self::Bank, Self::Data, Self::Order, Self::Cache, Self::Periodic];
 }
 
 /// The resource that a segment of the path uses, by name.

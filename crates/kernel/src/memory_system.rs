@@ -116,6 +116,11 @@ impl MemorySystem {
         }
     }
 
+    /// True if the requests of a client move no data: flips of a periodic client, and waits for it.
+    pub(crate) fn controls_periodic(&self, client: usize) -> bool {
+        self.clients[client].control.is_some()
+    }
+
     /// Name of a client's port.
     pub fn client_name(&self, client: usize) -> &str {
         &self.port(client).name

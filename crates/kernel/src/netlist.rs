@@ -7,6 +7,7 @@ use crate::connections::Clients;
 use crate::diagram::{Diagram, FifoTopology, StageTopology};
 use crate::machine::{Machine, Visitor};
 use crate::memory::Memory;
+use crate::periodic::PeriodicControl;
 use crate::wires::Wires;
 use crate::{FifoInfo, MemorySystem, Unit};
 
@@ -76,6 +77,12 @@ impl Netlist {
     pub fn cache_of(&self, client: &str) -> Option<&str> {
         let client = self.memories.clients().iter().find(|c| c.port.name == client)?;
         Some(&client.cache.as_ref()?.name)
+    }
+
+    /// True if a flip of a periodic client has to wait for its time, or holds what the client reads.
+    pub fn waits_for_periodic(&self) -> bool {
+        let mut controls = self.memories.clients().iter().filter_map(|client| client.control);
+        controls.any(|(_, of)| matches!(of, PeriodicControl::Flip(timing) if timing.period > 1 || timing.hold > 0))
     }
 
     /// Returns the block diagram for probes.

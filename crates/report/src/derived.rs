@@ -59,14 +59,15 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
         figures.ratio(format!("{name}.idle"), idle, 1.0, "cycles", formula);
     }
     figures.ratio("time_ms", 1e3 * total, hz, "ms", "1000 * cycles.total / config.clock.hz");
-    let frames = cycles.frames.len() as f64;
+    let frames = report.frames() as f64;
     if frames > 0.0 {
+        let count = if report.picture_term() == "frame" { "count(cycles.frames)" } else { "figures.frames" };
         let whole = cycles.frames.iter().sum::<u64>() as f64;
-        let formula = "1000 * sum(cycles.frames) / (count(cycles.frames) * config.clock.hz)";
+        let formula = format!("1000 * sum(cycles.frames) / ({count} * config.clock.hz)");
         if let Some(ms) = report.frame_ms() {
             figures.ratio("frame_ms", ms, 1.0, "ms", formula);
         }
-        let formula = "config.clock.hz * count(cycles.frames) / sum(cycles.frames)";
+        let formula = format!("config.clock.hz * {count} / sum(cycles.frames)");
         figures.ratio("frames_per_s", hz * frames, whole, "1/s", formula);
     }
     let formula = format!("{} * config.clock.hz / {render} / 1e6", work.formula);
@@ -181,6 +182,23 @@ mod tests {
         let formulas: Vec<&str> = derived.values().map(|figure| &*figure.formula).collect();
         assert!(formulas.iter().all(|formula| !formula.contains("write_tail")), "{formulas:?}");
         assert!(derived["graphics.bus_utilization"].formula.ends_with("n = cycles.total div memories.graphics.bus.interval"));
+    }
+
+    #[test]
+    fn several_pictures_of_a_frame_count_as_one_frame() {
+        let mut report = samples::balanced();
+        let of_frames = derive(&report)["frame_ms"].value;
+        assert_eq!((report.frames(), report.pictures(), report.picture_term()), (2, 2, "frame"));
+        report.figures.insert("frames".into(), 1.into());
+        let derived = derive(&report);
+        assert_eq!((report.frames(), report.pictures(), report.picture_term()), (1, 2, "picture"));
+        assert_eq!((derived["frame_ms"].value, derived["frames_per_s"].value), (2.0 * of_frames, 1e3 / (2.0 * of_frames)));
+        assert!(derived["frame_ms"].formula.contains("(figures.frames * "), "{}", derived["frame_ms"].formula);
+        // Pictures of other frames are not paired.
+        let mut other = report.clone();
+        other.cycles.as_mut().unwrap().frames.push(7);
+        let comparison = crate::compare::compare(&report, &other, None);
+        assert!(comparison.sections.iter().flat_map(|section| &section.changes).all(|change| change.field != "frames"));
     }
 
     #[test]

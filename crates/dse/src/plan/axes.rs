@@ -78,12 +78,16 @@ fn check_lengths(zipped: &[AxisParameter], block: &[&str]) -> Result<(), TomlFau
     let count = first.values.len();
     match zipped.iter().find(|other| other.values.len() != count) {
         Some(AxisParameter { path, key, values }) => {
-            let (first, others) = (&first.key, values.len());
-            let message = format!("zip: `{first}` has {count} values and `{key}` has {others}; expected as many of each");
+            let (first, [count, others]) = (&first.key, [count, values.len()].map(values_in_words));
+            let message = format!("zip: `{first}` has {count} and `{key}` has {others}; expected as many of each");
             Err(TomlFault::new(path, message))
         }
         None => Ok(()),
     }
+}
+
+fn values_in_words(count: usize) -> String {
+    format!("{count} value{}", if count == 1 { "" } else { "s" })
 }
 
 /// Returns the axis of parameters with equally many values.
@@ -235,7 +239,7 @@ mod tests {
         says("[axes]\na = { from = 1, to = 2, factor = inf }", "`factor` is inf, which is no finite number");
         says("[axes]\na = { from = 1, to = 1e12, step = 1 }", "axes.a: has more than 4096 values; expected at most 4096");
         says(&format!("[axes]\na = [{}]", "1,".repeat(5000)), "axes.a: has 5000 values; expected at most 4096");
-        says("[[zip]]\na = [1, 2]\nb = [1]", "zip: `a` has 2 values and `b` has 1; expected as many of each");
+        says("[[zip]]\na = [1, 2]\nb = [1]", "zip: `a` has 2 values and `b` has 1 value; expected as many of each");
         says("[[zip]]\n", "zip: names no parameter");
     }
 

@@ -179,7 +179,7 @@ fn plan_errors_name_line_and_key() {
         (format!("{zip}replacement.lanes = [2]"), "line 7: axes: `replacement.lanes` is on two axes"),
         (format!("{zip}replacement.entries = [0]"), "line 7: zip: `replacement.entries` is 0, expected"),
         (format!("{zip}replacement.entries = []"), "line 7: zip.replacement.entries: has no values"),
-        (format!("{zip}frame.width = [1]\nreplacement.entries = [16, 64]"), "line 8: zip: `frame.width` has 1 values and"),
+        (format!("{zip}frame.width = [1]\nreplacement.entries = [16, 64]"), "line 8: zip: `frame.width` has 1 value and"),
         (zip.into(), "line 6: zip: names no parameter"),
         (format!("{exclude}replacement.lanes = 3"), "line 9: exclude: `replacement.lanes` never is 3"),
         (format!("{exclude}replacement.lane = 3"), "line 9: exclude: `replacement.lane` is on no axis; did you mean"),

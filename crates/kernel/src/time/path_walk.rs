@@ -243,6 +243,10 @@ impl PathWalk<'_> {
     /// Adds the phases of a request whose data came at `at`.
     fn add_request(&mut self, request: Option<Completion>, client: usize, at: Cycle) {
         let Some(request) = request else { return };
+        if self.time.memories.controls_periodic(client) {
+            self.reach(at.min(request.arrival + 1), SegmentCause::Memory(client, RequestPhase::Arrival));
+            return self.reach(at, SegmentCause::Memory(client, RequestPhase::Periodic));
+        }
         let phases = [
             (request.arrival + 1, RequestPhase::Arrival),
             (request.row, RequestPhase::Bus),

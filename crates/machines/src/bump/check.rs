@@ -114,6 +114,7 @@ fn claim_3_warning(c: &BumpProcessorConfig, facts: &UnitStats) -> Option<String>
     let (distinct, searches) = (facts.count("distinct_pseudo_normals"), facts.count("searches"));
     let entries = c.replacement.entries.levels().into_iter().max().unwrap_or(0);
     (searches > 0 && distinct <= u64::from(entries)).then(|| {
-        format!("the surface has {distinct} distinct pseudo-normals, and a VQ table has {entries} entries; claim 3 requires fewer entries (replacement.entries)")
+        let normals = if distinct == 1 { "pseudo-normal" } else { "pseudo-normals" };
+        format!("the surface has {distinct} distinct {normals}, and a VQ table has {entries} entries; claim 3 requires fewer entries (replacement.entries)")
     })
 }

@@ -9,7 +9,8 @@
 //!    then.
 //! 3. Otherwise follow the stalls from that unit. At each unit take the largest of its busy cycles and its stalls:
 //!    - *busy*: this unit is the main bottleneck;
-//!    - *memory*: the memory of that port is the bottleneck, by bandwidth or by latency, depending on its data bus;
+//!    - *memory*: the memory of that port is the bottleneck, by bandwidth or by latency, depending on its data bus; or the display, if
+//!      the requests of that port wait for its refresh;
 //!    - *starved*: continue at the producer of that FIFO;
 //!    - *blocked*: continue at the consumer of that FIFO.
 //!
@@ -41,6 +42,8 @@ pub enum BottleneckKind {
     Unit(String),
     /// The memory of this client.
     Memory(String),
+    /// The display, for which a unit waits through this client.
+    Display(String),
     /// Units that wait for each other, with the FIFOs between them.
     Circle(Vec<String>),
 }
@@ -231,6 +234,11 @@ impl<'a> StallSearch<'a> {
 
     fn memory_bottleneck(&self, NamedUnit { name, unit }: NamedUnit<'a>, client: &str, cycles: u64) -> (BottleneckKind, String) {
         let memory = self.report.memories.iter().flatten().find(|(_, m)| m.clients.contains_key(client));
+        if memory.is_some_and(|(_, memory)| memory.clients[client].waits_for_display()) {
+            let (unit, share) = (label(name, unit), self.of_total(cycles));
+            let sentence = format!("Bottleneck: the display. {unit} waits for its refresh {share} of the cycles.");
+            return (BottleneckKind::Display(client.into()), sentence);
+        }
         let memory = memory.map_or("behind it", |(name, _)| name.as_str());
         let bus = self.report.derived.get(&format!("{memory}.bus_utilization")).map_or(String::new(), |bus| {
             let share = percent_in_words(bus.value);

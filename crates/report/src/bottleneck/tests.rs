@@ -1,4 +1,5 @@
 use super::*;
+use crate::model::Client;
 use crate::samples::{self, with_units};
 
 fn check(report: &Report, limit: BottleneckKind, sentence: &str) {
@@ -35,6 +36,10 @@ fn waits_lead_to_the_memory_that_causes_them() {
     let bandwidth = "Bottleneck: memory `graphics`. `depth-test` waits for its port `z` 54 % of the cycles. Its data bus is \
                      busy 92 %: bandwidth is the limit.";
     check(&report, BottleneckKind::Memory("z".into()), bandwidth);
+    let client = &mut report.memories.as_mut().unwrap()["graphics"].clients["z"];
+    *client = Client { latency_sum: 1_000, latency: vec![0, 2], ..Client::default() };
+    let display = "Bottleneck: the display. `depth-test` waits for its refresh 54 % of the cycles.";
+    check(&report, BottleneckKind::Display("z".into()), display);
 }
 
 #[test]

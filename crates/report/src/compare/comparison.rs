@@ -20,9 +20,9 @@ pub struct FigureChange {
     pub a: Option<Figure>,
     /// In report B.
     pub b: Option<Figure>,
-    /// B - A, if both are numbers; a missing count is 0.
+    /// B - A, if both are numbers. A stall that a unit lacks is 0.
     pub delta: Option<f64>,
-    /// Change relative to A, if A is a number other than 0 \[%\].
+    /// Change relative to A, if both are numbers and A is not 0 \[%\].
     pub percent: Option<f64>,
 }
 

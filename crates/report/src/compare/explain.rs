@@ -53,6 +53,7 @@ fn cycles(before: u64, after: u64, why: Option<String>, can_measure: bool) -> St
     let relative = if before == 0 { String::new() } else { format!(" ({})", change_in_words(delta as f64 / before as f64)) };
     let head = match delta {
         0 => format!("Both runs take {} cycles", thousands(after)),
+        1 | -1 => format!("B takes 1 cycle {}{relative}", if delta > 0 { "more" } else { "less" }),
         _ => format!("B takes {} {} cycles{relative}", real(delta.abs() as f64), more_or_fewer(delta)),
     };
     match why {

@@ -67,11 +67,17 @@ fn figures(report: &Report) -> IndexMap<FigureKey, Figure> {
 }
 
 fn sections(a: &Report, b: &Report) -> Vec<SectionChanges> {
-    let (in_a, mut in_b) = (figures(a), figures(b));
+    let (mut in_a, mut in_b) = (figures(a), figures(b));
+    if a.pictures() != b.pictures() {
+        // Pictures of the same number may belong to different frames.
+        let is_picture = |(table, _, field, _): &FigureKey| (*table, *field) == ("cycles", "frames");
+        in_a.retain(|key, _| !is_picture(key));
+        in_b.retain(|key, _| !is_picture(key));
+    }
     let mut changes: IndexMap<&'static str, Vec<FigureChange>> = IndexMap::new();
     let mut add = |(table, name, field, key): FigureKey, a: Option<Figure>, b: Option<Figure>| {
         if a != b {
-            changes.entry(table).or_default().push(change(name, field, key, a, b));
+            changes.entry(table).or_default().push(change(table, name, field, key, a, b));
         }
     };
     for (place, a) in in_a {
@@ -100,10 +106,12 @@ fn changed_parameters_first(config: &mut SectionChanges, explained: &MeasuredCau
     config.derived = config.changes.iter().filter(|change| place(change) > keys.len()).count();
 }
 
-fn change(name: String, field: &'static str, key: String, a: Option<Figure>, b: Option<Figure>) -> FigureChange {
-    let number = |x: &Option<Figure>| x.as_ref().map_or(Some(0.0), Figure::number);
+/// A unit lacks the stalls that it never had. Elsewhere, what a report lacks is unknown.
+fn change(table: &str, name: String, field: &'static str, key: String, a: Option<Figure>, b: Option<Figure>) -> FigureChange {
+    let none = if table == "units" { Some(0.0) } else { None };
+    let number = |x: &Option<Figure>| x.as_ref().map_or(none, Figure::number);
     let delta = number(&a).zip(number(&b)).map(|(a, b)| b - a);
-    let base = a.as_ref().and_then(Figure::number).filter(|&a| a != 0.0);
+    let base = a.as_ref().and_then(Figure::number).filter(|&a| a != 0.0 && b.is_some());
     let percent = delta.zip(base).map(|(d, base)| crate::number::round6(100.0 * d / base.abs()));
     FigureChange { name, field, key, a, b, delta: delta.map(crate::number::round6), percent }
 }
@@ -157,7 +165,7 @@ mod tests {
         b.figures.shift_remove("codebook");
         let figures = &compare(&a, &b, None).sections[0].changes;
         let view: Vec<_> = figures.iter().map(|c| (c.name.as_str(), c.a.is_some(), c.b.is_some(), c.delta)).collect();
-        assert_eq!(view, [("new", false, true, Some(7.0)), ("codebook", true, false, None)]);
+        assert_eq!(view, [("codebook", true, false, None), ("new", false, true, None)]);
     }
 
     #[test]

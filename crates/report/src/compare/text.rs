@@ -102,14 +102,16 @@ impl SectionChanges {
 impl FigureChange {
     fn cells(&self) -> [String; 5] {
         let field = if self.field == "value" { "" } else { self.field };
-        let words = [self.name.as_str(), field, self.key.as_str()];
-        let place: Vec<&str> = words.into_iter().filter(|w| !w.is_empty()).collect();
+        // An entry of a list has its place there, as in the report.
+        let is_entry = self.key.parse::<u64>().is_ok();
+        let (key, entry) = if is_entry { ("", format!("[{}]", self.key)) } else { (self.key.as_str(), String::new()) };
+        let words: Vec<&str> = [self.name.as_str(), field, key].into_iter().filter(|w| !w.is_empty()).collect();
         let figure = |x: &Option<Figure>| x.as_ref().map_or("-".into(), |x| shortened(figure(x)));
         let percent = |p: f64| format!("{}{:.1}", if p > 0.0 { "+" } else { "" }, p);
         // A ratio of decibels has no meaning.
         let is_level = self.field == "psnr_db";
         [
-            place.join(" "),
+            words.join(" ") + &entry,
             figure(&self.a),
             figure(&self.b),
             self.delta.map_or(String::new(), |delta| if is_level { format!("{} dB", signed(delta)) } else { signed(delta) }),

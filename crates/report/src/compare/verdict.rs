@@ -58,12 +58,12 @@ impl VerdictBuilder {
 
     /// Judges cycles, or times if the clocks differ.
     fn cycles(&mut self, a: &Report, b: &Report) {
-        let clocks = Clocks::of(a, b);
+        let (clocks, ms) = (Clocks::of(a, b), a.frame_ms().zip(b.frame_ms()));
         let Some(a) = &a.cycles else { return };
         let Some(b) = &b.cycles else { return self.reject("cycles", LACKS) };
         self.frames("cycles.frames", [a.frames.len(), b.frames.len()]);
         match clocks {
-            Clocks::Differ([hz_a, hz_b]) => return self.times(a, b, hz_a / hz_b),
+            Clocks::Differ([hz_a, hz_b]) => return self.times(ms, [a, b], hz_a / hz_b),
             Clocks::OnlyInA => self.reject("config.clock.hz", LACKS),
             Clocks::OnlyInB | Clocks::Same => {}
         }
@@ -73,11 +73,10 @@ impl VerdictBuilder {
         }
     }
 
-    /// Judges times. `scale` is the clock of A divided by that of B.
-    fn times(&mut self, a: &Cycles, b: &Cycles, scale: f64) {
-        let mean = |of: &Cycles| of.frames.iter().map(|cycles| *cycles as f64).sum::<f64>() / of.frames.len() as f64;
-        if !a.frames.is_empty() && !b.frames.is_empty() {
-            self.slowdown("derived.frame_ms".into(), mean(a), mean(b), scale);
+    /// Judges times. `frame_ms`: mean times of a frame; `scale`: the clock of A divided by that of B.
+    fn times(&mut self, frame_ms: Option<(f64, f64)>, [a, b]: [&Cycles; 2], scale: f64) {
+        if let Some((before, after)) = frame_ms {
+            self.slowdown("derived.frame_ms".into(), before, after, 1.0);
         }
         self.slowdown("derived.time_ms".into(), a.total as f64, b.total as f64, scale);
         for (k, (before, after)) in a.frames.iter().zip(&b.frames).enumerate() {

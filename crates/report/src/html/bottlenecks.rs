@@ -142,6 +142,7 @@ fn meaning(part: &PathPart) -> &'static str {
         "data" => "for the data",
         "order" => "for answers before it",
         "cache" => "for the cache",
+        "refresh" => "for the refresh of the display",
         _ => "in flight at the end",
     }
 }

@@ -15,26 +15,28 @@ const LONG: usize = 24;
 
 pub(super) fn frames(report: &Report) -> Html {
     let Some(cycles) = report.cycles.as_ref().filter(|cycles| !cycles.frames.is_empty()) else { return Html::default() };
-    let table = html("Frames", &table(report, cycles));
-    let table = if cycles.frames.len() > LONG { details("Every frame", table) } else { table };
-    [chart(cycles), table].into_iter().collect()
+    let term = report.picture_term();
+    let table = html(if term == "frame" { "Frames" } else { "Pictures" }, &table(report, cycles));
+    let table = if cycles.frames.len() > LONG { details(&format!("Every {term}"), table) } else { table };
+    [chart(cycles, term), table].into_iter().collect()
 }
 
-fn chart(Cycles { frames, .. }: &Cycles) -> Html {
+fn chart(Cycles { frames, .. }: &Cycles, term: &str) -> Html {
     if frames.len() < 2 {
         return Html::default();
     }
     let values: Vec<f64> = frames.iter().map(|&n| n as f64).collect();
     let columns: Vec<(String, f64)> = bins(&values, COLUMNS).map(|(at, n)| ((at + 1).to_string(), mean(n))).collect();
     let most = columns.iter().fold(0.0, |most: f64, (_, n)| most.max(*n));
-    let axes = ["frame", if columns.len() < values.len() { "cycles, mean of several frames each" } else { "cycles" }];
+    let cycles = if columns.len() < values.len() { format!("cycles, mean of several {term}s each") } else { "cycles".into() };
+    let (title, axes) = (format!("Cycles per {term}"), [term, cycles.as_str()]);
     let top = (most, thousands(most.round() as u64));
     let ruler = Some(Ruler::numbered(1.0, frames.len(), COLUMNS));
-    ColumnChart { title: "Cycles per frame", axes, class: "amount", columns, ruler, top, size: (640.0, 180.0) }.draw()
+    ColumnChart { title: &title, axes, class: "amount", columns, ruler, top, size: (640.0, 180.0) }.draw()
 }
 
 fn table(report: &Report, cycles: &Cycles) -> Table {
-    let titles = ["frame", "cycles", "ms", "PSNR dB", "SSIM", "FLIP"];
+    let titles = [report.picture_term(), "cycles", "ms", "PSNR dB", "SSIM", "FLIP"];
     let mut table = Table::new(&titles.map(|title| (title, Right, 0)));
     let hz = report.clock_hz();
     let last = report.quality.as_ref().map(|quality| &quality.last).filter(|_| cycles.frames.len() == 1);

@@ -34,7 +34,7 @@ pub(super) fn draw(report: &Report) -> Html {
     let frames = ends.map(|end| el("path", &[("class", "axis"), ("d", &format!("M{} 0 V{}", px(across(end)), px(height)))], []));
     let bars = shown.iter().enumerate().flat_map(|(row, p)| {
         let (y, from, to) = (row as f64 * ROW, across(p.from), across(p.to));
-        let name = format!("frame {}, polygon {}", p.frame, p.polygon);
+        let name = format!("frame {}, polygon {}", p.frame + 1, p.polygon);
         let life = [from, y + 1.0, (to - from).max(1.0), FILLED];
         [label("end", LEFT - 6.0, y + FILLED, &name), stacked_rects(&breakdown_parts(p, &name), p.breakdown.cycles, life)]
     });

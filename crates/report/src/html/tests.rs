@@ -31,7 +31,7 @@ fn full(name: &str) -> Report {
     let ladder = vec![rung(&["replacement"], samples::TOTAL - 700_000), rung(&["replacement", "reader"], 200_000)];
     report.bottlenecks = Some(Bottlenecks { balanced: None, ladder, single: vec![limit(700_000), limit(0)] });
     let part = |what: &str| PathPart { resource: "replacement".into(), what: what.into(), cycles: 100_000, frames: vec![] };
-    let parts = ["occupancy", "latency", "FIFO", "slot", "arrival", "bus", "bank", "data", "order", "cache"].map(part);
+    let parts = ["occupancy", "latency", "FIFO", "slot", "arrival", "bus", "bank", "data", "order", "cache", "refresh"].map(part);
     report.critical_path = Some(CriticalPath { cycles: samples::TOTAL, parts: parts.into(), polygons: None });
     report
 }

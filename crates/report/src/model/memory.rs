@@ -119,6 +119,11 @@ impl Client {
         (answers > 0).then(|| self.latency_sum as f64 / answers as f64)
     }
 
+    /// True if its requests move no data: flips of a display, and waits until the display has read a picture.
+    pub fn waits_for_display(&self) -> bool {
+        self.reads == 0 && self.writes == 0 && self.latency_sum > 0
+    }
+
     /// Returns the bytes that it requested.
     pub fn requested(&self) -> u64 {
         self.read_bytes.saturating_add(self.write_bytes)

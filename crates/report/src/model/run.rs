@@ -145,9 +145,26 @@ impl Report {
 
     /// Returns the mean time of a whole frame \[ms\]. `None` without a clock or a whole frame.
     pub fn frame_ms(&self) -> Option<f64> {
-        let frames = &self.cycles.as_ref()?.frames;
-        let cycles = frames.iter().map(|cycles| *cycles as f64).sum::<f64>();
-        Some(1e3 * cycles / (frames.len() as f64 * self.clock_hz()?)).filter(|ms| ms.is_finite())
+        let cycles = self.cycles.as_ref()?.frames.iter().map(|cycles| *cycles as f64).sum::<f64>();
+        Some(1e3 * cycles / (self.frames() as f64 * self.clock_hz()?)).filter(|ms| ms.is_finite())
+    }
+
+    /// Returns the frames over which means are taken. A progressive mode shows several pictures of a frame, so `cycles.frames` may have
+    /// more entries. 0 if no frame was finished.
+    pub fn frames(&self) -> u64 {
+        let pictures = self.pictures();
+        let finished = self.device_number("frames").filter(|frames| *frames >= 1.0).map(|frames| frames as u64);
+        finished.map_or(pictures, |frames| frames.min(pictures))
+    }
+
+    /// Returns the pictures that the machine drew: the entries of `cycles.frames`.
+    pub(crate) fn pictures(&self) -> u64 {
+        self.cycles.as_ref().map_or(0, |cycles| cycles.frames.len() as u64)
+    }
+
+    /// Returns the term for a picture: `frame`, unless a frame has several.
+    pub(crate) fn picture_term(&self) -> &'static str {
+        if self.frames() < self.pictures() { "picture" } else { "frame" }
     }
 
     /// Returns the render cycles: all cycles without the [tail](Self::drain). 0 for a functional run.
@@ -158,7 +175,7 @@ impl Report {
     /// Returns the frames over which totals are averaged, at least 1. `None` for an incomplete run: its totals include an unfinished
     /// frame, so a mean per frame would be wrong.
     pub(crate) fn averaged_frames(&self) -> Option<u64> {
-        self.outcome.is_complete().then(|| self.cycles.as_ref().map_or(1, |cycles| cycles.frames.len().max(1) as u64))
+        self.outcome.is_complete().then(|| self.frames().max(1))
     }
 
     /// Returns the value of a figure of the machine, if it is a number.

@@ -85,10 +85,10 @@ pub struct PathPolygon {
 /// All segments of a critical path of one kind at one resource.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct PathPart {
-    /// Unit, FIFO or memory client. Empty for the tokens in flight at the end.
+    /// Unit, FIFO or memory client, or `display`. Empty for the tokens in flight at the end.
     pub resource: String,
     /// For a unit: `occupancy` or `latency`. For a FIFO: `FIFO` (its latency and one token per cycle) or `slot`. For a request:
-    /// `arrival`, `bus`, `bank`, `data`, `order` or `cache`. Otherwise `rest`.
+    /// `arrival`, `bus`, `bank`, `data`, `order` or `cache`. For the display: `refresh`. Otherwise `rest`.
     #[serde(rename = "kind", alias = "what")]
     pub what: String,
     /// \[cycles\]
@@ -104,6 +104,8 @@ pub const UNBOUNDED_FIFO: &str = "unbounded FIFO";
 
 /// Relaxation of a memory: the part `ideal`, as in the presets of ideal machines.
 pub const IDEAL_MEMORY: &str = "ideal memory";
+/// Relaxation of the display: flips take effect at once, and nothing waits for them.
+pub const NO_REFRESH: &str = "no waits for its refresh";
 /// Relaxation of a cache.
 pub const ALWAYS_HITS: &str = "a hit on every lookup";
 

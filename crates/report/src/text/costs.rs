@@ -76,7 +76,7 @@ pub(crate) fn polygons(report: &Report, most: usize) -> Table {
     for p in costs.polygons.iter().take(most) {
         let object = p.object.map_or(String::new(), |object| object.to_string());
         let [from, to] = [p.from, p.to].map(thousands);
-        let cells = [p.polygon.to_string(), p.frame.to_string(), object, thousands(p.fragments), from, to];
+        let cells = [p.polygon.to_string(), (p.frame + 1).to_string(), object, thousands(p.fragments), from, to];
         add_row(&mut polygons, cells, &p.breakdown, costs.unit_cycles);
     }
     polygons

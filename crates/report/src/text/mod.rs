@@ -86,7 +86,10 @@ fn frames(report: &Report, cycles: &Cycles) -> Vec<String> {
     let frames = least.zip(most).filter(|_| cycles.frames.len() > 1).map(|(&least, &most)| {
         let (least, most) = (number::thousands(least), number::thousands(most));
         let range = if least == most { least } else { format!("{least} to {most}") };
-        format!("{} frames of {range} cycles", cycles.frames.len())
+        match report.picture_term() {
+            "frame" => format!("{} frames of {range} cycles", report.frames()),
+            term => format!("{} frames, {} {term}s of {range} cycles", report.frames(), report.pictures()),
+        }
     });
     std::iter::once(total).chain(frames).collect()
 }

@@ -27,7 +27,7 @@ fn cycles(report: &Report) -> Option<String> {
     let cycles = report.cycles.as_ref()?;
     let (all, (frames, each)) = (report.frame_cycles(), per_frame(report));
     let (least, most) = (cycles.frames.iter().min(), cycles.frames.iter().max());
-    let range = least.zip(most).filter(|(least, most)| least < most && !each.is_empty());
+    let range = least.zip(most).filter(|(least, most)| least < most && !each.is_empty() && report.pictures() == frames);
     let range = range.map_or(String::new(), |(least, most)| format!(" ({} to {})", thousands(*least), thousands(*most)));
     let hz = report.clock_hz();
     let time = hz.map_or(String::new(), |hz| {
@@ -66,5 +66,8 @@ fn hardware(report: &Report) -> Option<String> {
     let name = |kind: HardwareKind, n| if n == 1 { kind.to_string().trim_end_matches('s').to_owned() } else { kind.to_string() };
     let counted = counted.filter(|(_, n)| *n > 0).map(|(kind, n)| format!(", {} {}", thousands(n), name(kind, n)));
     let area = report.hardware_area().map_or_else(String::new, |area| format!("{} gate equivalents; ", thousands(area.area_ge)));
-    (!report.hardware.is_empty()).then(|| format!("{area}{} bits of storage{}", thousands(bits), counted.collect::<String>()))
+    // A trace holds the polygons of the geometry processor.
+    let without = if report.input.kind == "trace" { "; without the geometry processor, which the trace replaces" } else { "" };
+    let counted = counted.collect::<String>();
+    (!report.hardware.is_empty()).then(|| format!("{area}{} bits of storage{counted}{without}", thousands(bits)))
 }

@@ -2,7 +2,7 @@
 
 use super::analysis_task::{AnalysisTask, PathsAhead};
 use super::ladder::{Ladder, LadderSearch, all_settings};
-use super::relaxations::{Relaxation, RelaxationCandidates, Settings, busiest_unit, joined_settings, with_equals};
+use super::relaxations::{DISPLAY, Relaxation, RelaxationCandidates, Settings, busiest_unit, joined_settings, with_equals};
 use super::resimulations::Resimulations;
 use crate::options::{Overrides, OverridesLoader};
 use basrelief_kernel::recording::RecordingChunk;
@@ -24,6 +24,8 @@ fn path_part(kernel::PathPart { stretch, cycles, by_mark: frames }: kernel::Path
         PathSegment::Latency(unit) => (unit, "latency"),
         PathSegment::Fifo(fifo) => (fifo, "FIFO"),
         PathSegment::Slot(fifo) => (fifo, "slot"),
+        // All waits for the display are one resource, whatever its clients are called.
+        PathSegment::Memory(_, phase @ RequestPhase::Periodic) => (DISPLAY.to_owned(), phase_name(phase)),
         PathSegment::Memory(client, phase) => (client, phase_name(phase)),
         PathSegment::Rest => (String::new(), "rest"),
     };
@@ -38,7 +40,24 @@ fn phase_name(phase: RequestPhase) -> &'static str {
         RequestPhase::Data => "data",
         RequestPhase::Order => "order",
         RequestPhase::Cache => "cache",
+        RequestPhase::Periodic => "refresh",
     }
+}
+
+/// Converts the parts of the critical path, longest first.
+fn path_parts(parts: Vec<kernel::PathPart>) -> Vec<PathPart> {
+    let mut merged: Vec<PathPart> = vec![];
+    for part in parts.into_iter().map(path_part) {
+        match merged.iter_mut().find(|known| (&known.resource, &known.what) == (&part.resource, &part.what)) {
+            Some(known) => {
+                known.cycles += part.cycles;
+                known.frames.iter_mut().zip(part.frames).for_each(|(sum, cycles)| *sum += cycles);
+            }
+            None => merged.push(part),
+        }
+    }
+    merged.sort_by_key(|part| std::cmp::Reverse(part.cycles));
+    merged
 }
 
 /// A completed run with its recorded steps.
@@ -67,8 +86,7 @@ impl BottleneckList {
     pub(crate) fn add_to(self, report: &mut Report) -> Vec<(u32, u64)> {
         report.bottlenecks = Some(self.list);
         let Some(kernel::CriticalPath { cycles, parts, by_group }) = self.path else { return vec![] };
-        let parts = parts.into_iter().map(path_part).collect();
-        report.critical_path = Some(CriticalPath { cycles, parts, polygons: None });
+        report.critical_path = Some(CriticalPath { cycles, parts: path_parts(parts), polygons: None });
         by_group
     }
 }

@@ -1,9 +1,9 @@
 //! Relaxations that bottleneck analysis tries: a resource of the machine made ideal.
 
-use basrelief_kernel::{CriticalPath, Netlist, PathSegment, RunReport, UnitReport};
+use basrelief_kernel::{CriticalPath, Netlist, PathSegment, RequestPhase, RunReport, UnitReport};
 use basrelief_machines::MachineSpec;
 use basrelief_parameters::to_json;
-use basrelief_report::model::{ALWAYS_HITS, FULLY_PIPELINED, IDEAL_MEMORY, UNBOUNDED_FIFO};
+use basrelief_report::model::{ALWAYS_HITS, FULLY_PIPELINED, IDEAL_MEMORY, NO_REFRESH, UNBOUNDED_FIFO};
 use serde_json::{Map, Value};
 
 /// Depth of a FIFO that is practically unbounded \[slots\].
@@ -15,6 +15,9 @@ const EQUAL: u64 = 10;
 /// Parameter that lists the fully pipelined units.
 const IDEAL_UNITS: &str = "ideal.units";
 
+/// Name of the display, as in its group of parameters.
+pub(crate) const DISPLAY: &str = "display";
+
 /// Settings, as in `--set`.
 pub(crate) type Settings = Vec<(String, String)>;
 
@@ -25,6 +28,7 @@ pub(crate) enum ResourceKind {
     Fifo,
     Memory(Vec<String>),
     Cache(Vec<String>),
+    Display,
 }
 
 /// A resource made ideal.
@@ -48,7 +52,7 @@ impl Relaxation {
     /// Name of the resource among all kinds: a unit by its name, others by their group of parameters.
     pub(crate) fn id(&self) -> String {
         let group = match self.kind {
-            ResourceKind::Unit => "",
+            ResourceKind::Unit | ResourceKind::Display => "",
             ResourceKind::Fifo => "fifo.",
             ResourceKind::Memory(_) => "memory.",
             ResourceKind::Cache(_) => "cache.",
@@ -66,11 +70,13 @@ impl Relaxation {
         path.parts.iter().filter(|part| self.holds(&part.stretch)).map(|part| part.cycles).sum()
     }
 
-    /// True if a segment of a critical path belongs to this resource. A wait in a cache belongs to the cache and to its memory.
+    /// True if a segment of a critical path belongs to this resource. A wait in a cache belongs to the cache and to its memory. A wait
+    /// for the display belongs to no memory.
     fn holds(&self, segment: &PathSegment) -> bool {
         match (&self.kind, segment) {
             (ResourceKind::Unit, PathSegment::Occupancy(unit) | PathSegment::Latency(unit)) => *unit == self.resource,
             (ResourceKind::Fifo, PathSegment::Slot(fifo)) => *fifo == self.resource,
+            (kind, PathSegment::Memory(_, RequestPhase::Periodic)) => *kind == ResourceKind::Display,
             (ResourceKind::Memory(clients) | ResourceKind::Cache(clients), PathSegment::Memory(client, _)) => {
                 clients.contains(client)
             }
@@ -102,6 +108,10 @@ impl<S: MachineSpec> RelaxationCandidates<'_, S> {
         }));
         all.extend(self.memories(&group("memory")));
         all.extend(self.caches(&group("cache")));
+        all.extend(self.netlist.waits_for_periodic().then(|| {
+            let set = [("display.enabled".to_owned(), "false".to_owned())];
+            Relaxation::new(DISPLAY, ResourceKind::Display, NO_REFRESH, set)
+        }));
         all
     }
 

@@ -9,6 +9,7 @@ use basrelief_input::{MemoryPool, OverBudget};
 use basrelief_kernel::Probe;
 use basrelief_machines::{ConfigProblem, MachineConfig};
 use basrelief_parameters::nearest;
+use basrelief_report::number::thousands;
 use basrelief_timeline::{FstWaves, KanataLog, PerfettoTrace, TimelineLayout, TimelineProbe, TraceSink};
 use std::io::{self, Seek, Write};
 use std::num::NonZeroU64;
@@ -133,7 +134,7 @@ impl RunCharts {
         }
         let (charts, names): (Vec<_>, Vec<_>) = charts.into_iter().unzip();
         let mut watcher = TimelineProbe::new(layout.clone(), charts);
-        let run = if follows {
+        let mut run = if follows {
             let mut following = AttributionProbe::new(config, stages, sample, budget, &mut watcher);
             let run = run(&mut following)?;
             following.finish().map_err(|over| CommandError::BadInput(self.with_advice(&over)))?;
@@ -145,8 +146,18 @@ impl RunCharts {
             for (finished, name) in watcher.finish(timing).into_iter().zip(names) {
                 finished.map_err(|error| self.write_error(&name, &error))?;
             }
+            run.report.warnings.extend(self.is_late(timing.total));
         }
         Ok(run)
+    }
+
+    /// Warns if a run of `total` cycles ends before the first cycle.
+    fn is_late(&self, total: u64) -> Option<String> {
+        let from = self.layout.from;
+        (from >= total).then(|| {
+            let [from, total] = [from, total].map(thousands);
+            format!("timelines and waveforms are empty: they start at cycle {from}, but the run has {total} cycles; choose an earlier first cycle")
+        })
     }
 
     /// Converts a write error. Some charts stay in memory until the end of the run, so the message names options for smaller charts.

@@ -5,6 +5,7 @@ use basrelief_kernel::{Outcome, RunReport};
 use basrelief_machines::{MachineSpec, PictureRecord, RunSummary, UnitStats, drawn_units};
 use basrelief_parameters::to_json;
 use basrelief_report::model::{Hardware, Input, Picture, PictureQuality, Size};
+use basrelief_report::number::thousands;
 use basrelief_report::{Report, ReportContext, depth_warnings};
 use basrelief_signals::Camera;
 use serde::{Deserialize, Serialize};
@@ -33,7 +34,7 @@ impl UntimedResult {
         let hardware: Vec<Hardware> = facts.all_hardware().iter().map(|piece| Hardware::new(piece, &model)).collect();
         let config = to_json(spec).unwrap_or_default();
         let of_area = depth_warnings(&hardware, model.cycle_fo4()).into_iter().chain(no_area(&config));
-        let warnings = spec.warnings(&facts).into_iter().chain(of_area);
+        let warnings = spec.warnings(&facts).into_iter().chain(of_area).chain(run.and_then(underruns));
         let context = ReportContext {
             build: BUILD.into(),
             machine: S::NAME.into(),
@@ -54,6 +55,19 @@ impl UntimedResult {
             None => Report::functional(context, &Outcome::Complete),
         }
     }
+}
+
+/// Warns if the memory serves the display too late.
+fn underruns(run: &RunReport) -> Option<String> {
+    let ports = run.memories.iter().flat_map(|memory| memory.ports.iter().map(|port| (&memory.name, port)));
+    let mut displays = ports.filter_map(|(memory, port)| Some((memory, port.counts.reads, port.periodic?.late)));
+    let (memory, reads, late) = displays.find(|(.., late)| *late > 0)?;
+    Some(format!(
+        "the display reads {} of {} bursts too late (underruns), so its picture has gaps; raise display.burst_bytes, or choose a faster \
+         memory.{memory}.part",
+        thousands(late),
+        thousands(reads)
+    ))
 }
 
 /// Warns if parts of the machine are ideal, because no hardware is.

@@ -2,20 +2,31 @@
 
 use crate::common::demo_scene;
 use basrelief_report::Report;
-use basrelief_report::model::{Bottlenecks, IDEAL_MEMORY, RelaxedSet};
+use basrelief_report::model::{Bottlenecks, IDEAL_MEMORY, NO_REFRESH, RelaxedSet};
 use basrelief_scene::ViewOptions;
 use basrelief_sim::{AnalysisPolicy, MACHINES, MachineInfo, NoObserver, Overrides, RunInput, RunOptions, run};
 use serde_json::Value;
 
 type Settings = Vec<(String, String)>;
 
-/// Runs a demo with these settings.
+/// Runs a frame of a demo with these settings.
 fn ran(machine: &MachineInfo, demo_name: &str, size: [u32; 2], settings: &Settings, bottlenecks: AnalysisPolicy) -> Report {
     let options = ViewOptions { size, frames: Some(1), ..ViewOptions::default() };
+    ran_views(machine, demo_name, &options, settings, bottlenecks)
+}
+
+/// Runs a demo with these views and settings.
+fn ran_views(
+    machine: &MachineInfo,
+    demo_name: &str,
+    options: &ViewOptions,
+    settings: &Settings,
+    bottlenecks: AnalysisPolicy,
+) -> Report {
     let overrides = Overrides { toml: String::new(), settings: settings.clone() };
     let config = overrides.config(machine, &[]).unwrap();
     let options_of_run = RunOptions { config, exact: false, bottlenecks, overrides, ..RunOptions::default() };
-    run(RunInput::scene(demo_scene(demo_name, &options)), &options_of_run, &mut NoObserver, None).unwrap().report
+    run(RunInput::scene(demo_scene(demo_name, options)), &options_of_run, &mut NoObserver, None).unwrap().report
 }
 
 fn settings(set: &[String]) -> Settings {
@@ -49,6 +60,30 @@ fn rung_options_take_the_predicted_cycles() {
         assert_eq!(of.ladder.last().map(|rung| rung.cycles), least, "{}: the last rung saves most", machine.name);
         let single = of.single.iter().map(|limit| limit.cycles).min();
         assert!(least <= single, "{}: the ladder saves at least as much as one relaxation", machine.name);
+    }
+}
+
+// Claim: analysis: A display whose refresh the frames wait for is the bottleneck.
+#[test]
+fn display_that_frames_wait_for_is_the_bottleneck() {
+    for (machine, set) in [("defer", "defer.depth_pixel=shared"), ("bump", "display.mode=fifo"), ("texel", "display.mode=fifo")] {
+        let machine = MachineInfo::named(machine).unwrap();
+        let frames = ViewOptions { size: [40, 30], frames: Some(3), ..ViewOptions::default() };
+        let run = |set: &[String], policy| ran_views(machine, "coin", &frames, &settings(set), policy);
+        let whole = run(&[set.into()], AnalysisPolicy::Always);
+        let of = bottlenecks(&whole);
+        let (best, last) = (of.single.first().unwrap(), of.ladder.last().unwrap());
+        assert_eq!((best.resource.as_str(), best.what.as_str()), ("display", NO_REFRESH), "{set}");
+        assert!(2 * best.saved > whole.frame_cycles(), "{set}: {best:?}");
+        assert!(of.ladder[0].relaxed.contains(&"display".into()), "{set}: {:?}", of.ladder);
+        for (set_of, cycles) in [(&best.set, best.cycles), (&last.set, last.cycles)] {
+            let all = [&[set.to_owned()], set_of.as_slice()].concat();
+            assert_eq!(run(&all, AnalysisPolicy::Never).frame_cycles(), cycles, "{set}");
+        }
+        let longest = &whole.critical_path.as_ref().unwrap().parts[0];
+        assert_eq!((longest.resource.as_str(), longest.what.as_str()), ("display", "refresh"), "{set}");
+        assert!(2 * longest.cycles > whole.frame_cycles(), "{set}: {longest:?}");
+        assert_eq!(longest.frames.iter().sum::<u64>(), longest.cycles, "{set}");
     }
 }
 
