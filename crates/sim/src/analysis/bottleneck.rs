@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// The parts of a relaxation are tried if the whole saves more than this share of the cycles \[1 / share\].
-const MUCH: u64 = 100;
+const MUCH: u64 = 20;
 
 /// Converts a part of the critical path for the report.
 fn path_part(kernel::PathPart { stretch, cycles, by_mark: frames }: kernel::PathPart) -> PathPart {
