@@ -58,10 +58,14 @@ fn check_leaving(c: &DeferConfig) -> Result<(), ConfigProblem> {
     if !times.iter().all(|ms| (0.0..=LATEST_MS).contains(ms)) || !times.is_sorted() {
         return problem("defer.left_at_ms", format!("is {times:?}, expected ascending times from 0 to {LATEST_MS} ms"));
     }
-    for (key, is_given) in [("defer.left_at_ms", !times.is_empty()), ("defer.left_at_tile", !c.defer.left_at_tile.is_empty())] {
+    let tiles = &c.defer.left_at_tile;
+    // Times may come from a file of views.
+    for (key, how, is_given) in
+        [("defer.left_at_ms", "set, or views have `at_ms`", !times.is_empty()), ("defer.left_at_tile", "set", !tiles.is_empty())]
+    {
         if is_given && c.defer.mode != RenderMode::Progressive {
-            let message = "is set, but a view can be left only in progressive mode; set `defer.mode=progressive`";
-            return problem(key, message.into());
+            let message = format!("is {how}, but a view can be left only in progressive mode; set `defer.mode=progressive`");
+            return problem(key, message);
         }
     }
     Ok(())
