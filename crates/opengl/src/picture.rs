@@ -75,7 +75,7 @@ pub(crate) fn application_picture(
     let covered = depth.as_ref().map_or_else(|| vec![true; rgb.len()], |depth| depth.iter().map(|d| *d != cleared).collect());
     let [red, green, blue, _] = parameters.numbers("GL_COLOR_CLEAR_VALUE").unwrap_or([0.0; 4]);
     let background = [red, green, blue].map(|channel| (channel.clamp(0.0, 1.0) * 255.0 + 0.5).floor() as u8);
-    let picture = RgbPicture { width: viewport[2], height: viewport[3], rgb, covered, backs: 0 };
+    let picture = RgbPicture::drawn([viewport[2], viewport[3]], rgb, covered);
     Ok(Some(ApplicationPicture { picture, depth, background, _held: held }))
 }
 

@@ -34,7 +34,7 @@ impl GivenPixels {
         }
         let rgb = pixels.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect();
         let covered = pixels.iter().map(|[.., alpha]| *alpha != 0).collect();
-        Ok(RgbPicture { width: *width, height: *height, rgb, covered, backs: 0 })
+        Ok(RgbPicture::drawn([*width, *height], rgb, covered))
     }
 }
 

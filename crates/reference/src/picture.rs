@@ -19,7 +19,12 @@ impl RgbPicture {
     /// Creates a picture of background only.
     pub fn new(width: u32, height: u32) -> Self {
         let pixels = width as usize * height as usize;
-        Self { width, height, rgb: vec![[0; 3]; pixels], covered: vec![false; pixels], backs: 0 }
+        Self::drawn([width, height], vec![[0; 3]; pixels], vec![false; pixels])
+    }
+
+    /// A picture of `width * height` pixels that this crate did not draw.
+    pub fn drawn([width, height]: [u32; 2], rgb: Vec<[u8; 3]>, covered: Vec<bool>) -> Self {
+        Self { width, height, rgb, covered, backs: 0 }
     }
 
     /// Returns RGBA, 8 bits each, rows from the top. Covered pixels have alpha 255, and the background is 0, 0, 0, 0.

@@ -118,6 +118,9 @@ fn parameters_in(table: &Table, path: &[&str], block: usize, found: &mut Vec<Axi
             Value::Table(range) if range.contains_key("from") || range.contains_key("to") => {
                 range_values(range).map_err(fault)?
             }
+            Value::Table(group) if group.is_empty() => {
+                return Err(fault("is empty; expected parameters with their values".into()));
+            }
             Value::Table(group) => {
                 parameters_in(group, &path, block, found)?;
                 continue;
@@ -228,6 +231,7 @@ mod tests {
         };
         says("[axes]\na.b = 3", "axes.a.b: is 3, expected a list of values, or a range such as");
         says("[axes]\na = []", "axes.a: has no values; expected one at least");
+        says("[axes.a]\n[axes.b]\nc = [1]", "axes.a: is empty; expected parameters with their values");
         says("[axes]\na = { from = 1, to = 4 }", "axes.a: a range goes by a step or by a factor; expected a range such as");
         says("[axes]\na = { from = 1, to = 4, step = 1, factor = 2 }", "a range goes by a step or by a factor");
         says("[axes]\na = { from = 1, to = 4, stp = 1 }", "axes.a: unknown field `stp`");

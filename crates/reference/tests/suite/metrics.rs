@@ -124,7 +124,7 @@ fn difference_is_eightfold_and_saturated() {
 fn any_picture() -> impl Strategy<Value = RgbPicture> {
     prop::collection::vec((prop::array::uniform3(any::<u8>()), any::<bool>()), 12 * 9).prop_map(|pixels| {
         let (rgb, covered) = pixels.into_iter().unzip();
-        RgbPicture { width: 12, height: 9, rgb, covered, backs: 0 }
+        RgbPicture::drawn([12, 9], rgb, covered)
     })
 }
 

@@ -58,7 +58,7 @@ fn displacement_picture(map: &DisplacementMap, error_bound: f64) -> RgbPicture {
 fn divisions_picture(frame: &FinishedFrame, map: &DisplacementMap) -> RgbPicture {
     const POINT: [u8; 3] = [255, 225, 40];
     let FinishedFrame { width, height, rgb, covered, .. } = frame.clone();
-    let mut drawn = RgbPicture { width, height, rgb, covered, backs: 0 };
+    let mut drawn = RgbPicture::drawn([width, height], rgb, covered);
     for (rgb, divided) in drawn.rgb.iter_mut().zip(&map.divided) {
         let [r, g, b] = rgb.map(u16::from);
         *rgb = if *divided { POINT } else { [((r + 2 * g + b) / 8) as u8; 3] };

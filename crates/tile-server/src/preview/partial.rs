@@ -112,6 +112,6 @@ impl PreviewRender {
         let FilledBuffer { width, height, .. } = *self.filled;
         let pixels = self.preview.picture(&self.filled);
         let rgb = pixels.iter().map(|pixel| pixel.unwrap_or_default()).collect();
-        to_png(&RgbPicture { width, height, rgb, covered: pixels.iter().map(Option::is_some).collect(), backs: 0 })
+        to_png(&RgbPicture::drawn([width, height], rgb, pixels.iter().map(Option::is_some).collect()))
     }
 }

@@ -94,7 +94,7 @@ fn wrong_response_leaves_a_tile_missing() {
 
 #[test]
 fn draft_shows_the_last_complete_picture() {
-    let picture = |n: usize| RgbPicture { width: 1, height: 1, rgb: vec![[n as u8; 3]], covered: vec![true], backs: 0 };
+    let picture = |n: usize| RgbPicture::drawn([1, 1], vec![[n as u8; 3]], vec![true]);
     let shown = |complete: Option<usize>, rounds: usize, last: u32| {
         let record = DraftRecord::new(vec![]);
         record.borrow_mut().complete = complete;

@@ -14,7 +14,7 @@ pub fn exact(scene: &Scene) -> RgbPicture {
 /// PSNR of the last picture against the reference image \[dB\].
 pub fn psnr(exact: &RgbPicture, frames: &[FinishedFrame]) -> f64 {
     let FinishedFrame { width, height, rgb, covered, .. } = frames.last().unwrap().clone();
-    metrics::psnr(exact, &RgbPicture { width, height, rgb, covered, backs: 0 }).unwrap()
+    metrics::psnr(exact, &RgbPicture::drawn([width, height], rgb, covered)).unwrap()
 }
 
 /// At 64 x 48 pixels, two levels are better than one in every demo of the machine, at every table size. Different tables are better in most

@@ -123,5 +123,5 @@ impl ActiveRun<'_> {
 
 /// Converts a finished frame to a picture.
 fn picture(frame: FinishedFrame) -> RgbPicture {
-    RgbPicture { width: frame.width, height: frame.height, rgb: frame.rgb, covered: frame.covered, backs: 0 }
+    RgbPicture::drawn([frame.width, frame.height], frame.rgb, frame.covered)
 }
