@@ -21,11 +21,15 @@ pub(crate) struct UvRequest {
     pub transform: Option<TextureTransform>,
 }
 
-/// Texture coordinates that a primitive must provide; `None` if the material has no such texture.
+/// Attributes that a material requests from its primitives.
 #[derive(Clone, Default)]
-pub(crate) struct RequiredUvs {
+pub(crate) struct RequestedAttributes {
+    /// Coordinates of the colour texture; `None` without one.
     pub color: Option<UvRequest>,
+    /// Coordinates of the normal map; `None` without one.
     pub normal_map: Option<UvRequest>,
+    /// The material only emits. Vertex colours multiply its base colour, which is black, so they have no effect.
+    pub without_colors: bool,
 }
 
 /// Reads primitives of one document.
@@ -39,7 +43,7 @@ pub(crate) struct PrimitiveReader<'a> {
 #[derive(Clone, Copy)]
 pub(crate) struct MeshSource<'a> {
     pub primitive: &'a GltfPrimitive,
-    pub needs: &'a RequiredUvs,
+    pub needs: &'a RequestedAttributes,
     /// Weights of its morph targets.
     pub weights: &'a [f64],
     pub skin: Option<&'a VertexMatrices>,
@@ -112,7 +116,9 @@ impl PrimitiveReader<'_> {
         let count = Some(mesh.positions.len());
         mesh.uv = self.uv(source, needs.color.as_ref(), mesh.positions.len(), warnings)?;
         mesh.uv_normal = self.uv(source, needs.normal_map.as_ref(), mesh.positions.len(), warnings)?;
-        mesh.colors = self.attribute(source, "COLOR_0", count, AttributeSemantic::Color, warnings)?.unwrap_or_default();
+        if !needs.without_colors {
+            mesh.colors = self.attribute(source, "COLOR_0", count, AttributeSemantic::Color, warnings)?.unwrap_or_default();
+        }
         for color in &mut mesh.colors {
             *color = color.map(|c| c.clamp(0.0, 1.0));
         }

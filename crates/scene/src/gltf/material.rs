@@ -2,7 +2,7 @@
 
 use super::buffers::{GltfBuffers, read_uri};
 use super::check::resolve;
-use super::geometry::{RequiredUvs, UvRequest};
+use super::geometry::{RequestedAttributes, UvRequest};
 use super::json::{GltfDocument, GltfInteger, MaterialDef, TextureInfo};
 use crate::SceneError;
 use crate::error::ImportWarnings;
@@ -24,7 +24,7 @@ const MATERIAL: u64 = 512;
 #[derive(Clone)]
 pub(crate) struct BuiltMaterial {
     pub material: Arc<Material>,
-    pub needs: RequiredUvs,
+    pub needs: RequestedAttributes,
 }
 
 /// Builds the materials of one document.
@@ -60,7 +60,7 @@ impl<'a> MaterialBuilder<'a> {
             Some(definition) => self.build(i, definition, warnings)?,
             None => {
                 let material = Material { id: i as u32, name: "default".into(), ..Material::default() };
-                BuiltMaterial { material: Arc::new(material), needs: RequiredUvs::default() }
+                BuiltMaterial { material: Arc::new(material), needs: RequestedAttributes::default() }
             }
         };
         if let Some(slot) = self.surfaces.get_mut(i) {
@@ -91,7 +91,7 @@ impl<'a> MaterialBuilder<'a> {
         }
         let [red, green, blue] = def.emissive_factor;
         let factor = if emits { [red, green, blue, factor[3]] } else { factor };
-        let usual = if emits { Lighting { ka: 1.0, kd: 0.0, ..Lighting::default() } } else { Lighting::default() };
+        let usual = if emits { Lighting { ka: 1.0, kd: 0.0, ks: 0.0, ..Lighting::default() } } else { Lighting::default() };
         let lighting = def.extras.lighting.unwrap_or(usual);
         let scale = normal_info.and_then(|n| n.scale).unwrap_or(1.0) as f32;
         if !scale.is_finite() {
@@ -101,9 +101,10 @@ impl<'a> MaterialBuilder<'a> {
         }
         let name = def.name.as_ref().map_or(0, String::len) as u64;
         self.outside.hold(MATERIAL + name, place, "materials and their names")?;
-        let needs = RequiredUvs {
+        let needs = RequestedAttributes {
             color: color_info.filter(|_| color.is_some()).map(request),
             normal_map: normal_info.filter(|_| normal_map.is_some()).map(request),
+            without_colors: emits,
         };
         let material = Material {
             id: i as u32,

@@ -309,6 +309,20 @@ fn omissions_are_warnings() {
     says(with(square(), "/extensions", spot), "spot light");
 }
 
+/// Vertex colours and lights do not change the colour of a glTF surface that only emits.
+#[test]
+fn emission_has_neither_vertex_colours_nor_highlight() {
+    let colored = with_attribute("COLOR_0", &floats(&[0.5; 16]), json!({}), json!({"componentType": 5126, "type": "VEC4"}));
+    let colors = |document: &Value| import(document).unwrap().objects[0].mesh.colors.clone();
+    assert_eq!(colors(&colored), [[0.5; 4]; 4]);
+    let black = json!({"pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1]}, "emissiveFactor": [0.5, 0.25, 0]});
+    let emits = with(colored, "/materials/0", black);
+    assert_eq!(colors(&emits), [[0f32; 4]; 0]);
+    let material = import(&emits).unwrap().objects[0].material.clone();
+    assert_eq!(material.base_color, [0.5, 0.25, 0.0, 1.0]);
+    assert_eq!((material.lighting.ka, material.lighting.kd, material.lighting.ks), (1.0, 0.0, 0.0));
+}
+
 #[test]
 fn invisible_nodes_are_not_drawn() {
     let hidden = json!({"KHR_node_visibility": {"visible": false}});

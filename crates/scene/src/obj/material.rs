@@ -35,6 +35,8 @@ pub(super) struct PlacedMaterial {
     pub color: Option<TextureMap>,
     /// Map of the normal map.
     pub relief: Option<TextureMap>,
+    /// The material only emits. Vertex colours multiply `Kd`, which is black, so they have no effect.
+    pub emits: bool,
 }
 
 /// Builds materials and loads their pictures.
@@ -98,7 +100,7 @@ impl<'a> MaterialBuilder<'a> {
             if !name.is_empty() && !library.is_empty() {
                 warnings.add(format!("material `{}` is in no library: drawn white", shown(name)));
             }
-            return Ok(PlacedMaterial { material: Arc::new(plain), color: None, relief: None });
+            return Ok(PlacedMaterial { material: Arc::new(plain), color: None, relief: None, emits: false });
         };
         let emits = definition.diffuse == [0.0; 3] && definition.emission != [0.0; 3];
         warn_of_omissions(definition, emits, warnings);
@@ -114,10 +116,11 @@ impl<'a> MaterialBuilder<'a> {
         let [r, g, b] = if emits { definition.emission } else { definition.diffuse }.map(|c| c * gain);
         let mut lighting = lighting(definition, warnings);
         if emits {
-            (lighting.ka, lighting.kd) = (1.0, 0.0);
+            let ks = definition.specular.map_or(0.0, |_| lighting.ks);
+            lighting = Lighting { ka: 1.0, kd: 0.0, ks, ..lighting };
         }
         let material = Material { base_color: [r, g, b, 1.0], color_texture, normal_map, lighting, ..plain };
-        Ok(PlacedMaterial { material: Arc::new(material), color: color.cloned(), relief: relief.cloned() })
+        Ok(PlacedMaterial { material: Arc::new(material), color: color.cloned(), relief: relief.cloned(), emits })
     }
 
     fn texture(

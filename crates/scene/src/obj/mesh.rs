@@ -210,7 +210,7 @@ impl MeshBuilder<'_> {
         self.mesh.positions.push(positions.local.get(position).copied().unwrap_or_default());
         let computed = || flat.or_else(|| smooth.get(corner[0], sharing)).unwrap_or([0.0, 0.0, 1.0]);
         self.mesh.normals.push(own.map_or_else(computed, |n| n.as_vec3().to_array()));
-        if !obj.colors.is_empty() {
+        if !obj.colors.is_empty() && !self.surface.emits {
             self.mesh.colors.push(obj.colors.get(position).copied().unwrap_or([1.0; 4]));
         }
         let material = &self.surface.material;

@@ -90,6 +90,24 @@ fn first_of_two_equal_material_names_is_used() {
     assert_eq!(import(SQUARE, &files).unwrap().objects[0].material.base_color, [1.0, 0.0, 0.0, 1.0]);
 }
 
+/// Vertex colours do not change the colour of an OBJ surface that only emits.
+#[test]
+fn obj_emission_has_neither_vertex_colours_nor_highlight() {
+    let colored =
+        SQUARE.replace("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0", "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 1 1 0 1 0 0\nv 0 1 0 1 0 0");
+    let object = |mtl: &str| {
+        let scene = import(&colored, &MemoryFiles::default().with("lib/m.mtl", mtl)).unwrap();
+        assert_eq!(scene.warnings, [""; 0]);
+        scene.objects[0].clone()
+    };
+    assert_eq!(object("newmtl stone\nKd 1 1 1\n").mesh.colors, [[1.0, 0.0, 0.0, 1.0]; 4]);
+    let emits = object("newmtl stone\nKd 0 0 0\nKe 0.5 0.25 0\n");
+    assert!(emits.mesh.colors.is_empty());
+    assert_eq!(emits.material.base_color, [0.5, 0.25, 0.0, 1.0]);
+    assert_eq!((emits.material.lighting.ka, emits.material.lighting.kd, emits.material.lighting.ks), (1.0, 0.0, 0.0));
+    assert_eq!(object("newmtl stone\nKd 0 0 0\nKe 1 1 1\nKs 0.5 0.5 0.5\n").material.lighting.ks, 0.5, "as stated");
+}
+
 proptest! {
     #[test]
     fn any_text_is_read_or_refused(text in "([vfou#][tn]?( [-0-9/.x\\\\]{1,6}){0,5}\n){0,20}") {

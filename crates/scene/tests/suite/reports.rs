@@ -230,7 +230,7 @@ fn surface_that_only_emits_shows_its_emission() {
     let scene = load("gltf-emissive-only", "m.gltf");
     let material = &scene.objects[0].material;
     assert_eq!(material.base_color, [1.0, 0.5, 0.0, 1.0]);
-    assert_eq!((material.lighting.ka, material.lighting.kd), (1.0, 0.0));
+    assert_eq!((material.lighting.ka, material.lighting.kd, material.lighting.ks), (1.0, 0.0, 0.0));
     warns(&scene, &[]);
 }
 
