@@ -142,7 +142,7 @@ impl GltfImporter<'_> {
     /// Draws the meshes of the nodes, or all meshes if the file has no nodes.
     fn draw_nodes(&mut self, nodes: &[PlacedNode], warnings: &mut ImportWarnings) -> Result<(), SceneError> {
         let document = self.document;
-        for placed in nodes {
+        for placed in nodes.iter().filter(|placed| placed.visible) {
             let Some(node) = document.nodes.get(placed.index) else { continue };
             let Some(mesh) = node.mesh else { continue };
             // The joints alone say where a skinned mesh is (glTF 2.0, section 3.7.3.3).

@@ -11,29 +11,35 @@ pub(crate) struct PlacedNode {
     pub index: usize,
     /// Object to world.
     pub world: DMat4,
+    /// False if `KHR_node_visibility` hides the node or an ancestor. The extension hides meshes and lights, but not cameras.
+    pub visible: bool,
 }
 
-/// The visible nodes of the scene to draw, parents before children, siblings in order, with their world matrices.
+impl PlacedNode {
+    /// A node without a parent, before its own transform.
+    fn root(index: usize) -> Self {
+        Self { index, world: DMat4::IDENTITY, visible: true }
+    }
+}
+
+/// The nodes of the scene to draw, parents before children, siblings in order, with their world matrices.
 ///
 /// The walk keeps its own stack, so that a chain of a million nodes is no danger.
 pub(crate) fn place(document: &GltfDocument, warnings: &mut ImportWarnings) -> Result<Vec<PlacedNode>, SceneError> {
     let has_parent = check_tree(document)?;
-    let mut stack: Vec<PlacedNode> = roots(document, &has_parent, warnings)?
-        .into_iter()
-        .rev()
-        .map(|index| PlacedNode { index, world: DMat4::IDENTITY })
-        .collect();
+    let mut stack: Vec<PlacedNode> = roots(document, &has_parent, warnings)?.into_iter().rev().map(PlacedNode::root).collect();
     let mut placed = Vec::new();
-    while let Some(PlacedNode { index, world: parent }) = stack.pop() {
-        let Some(node) = document.nodes.get(index).filter(|n| visible(n)) else { continue };
+    while let Some(PlacedNode { index, world: parent, visible }) = stack.pop() {
+        let Some(node) = document.nodes.get(index) else { continue };
+        let visible = visible && is_visible(node);
         let world = parent * local(node, index, warnings)?;
         if !world.is_finite() {
             return Err(
                 SceneError::at(format!("/nodes/{index}"), "its world matrix overflows").expected("transforms of ordinary size")
             );
         }
-        stack.extend(node.children.iter().rev().map(|child| PlacedNode { index: child.index(), world }));
-        placed.push(PlacedNode { index, world });
+        stack.extend(node.children.iter().rev().map(|child| PlacedNode { index: child.index(), world, visible }));
+        placed.push(PlacedNode { index, world, visible });
     }
     Ok(placed)
 }
@@ -45,18 +51,18 @@ pub(crate) fn worlds(document: &GltfDocument, warnings: &mut ImportWarnings) -> 
         .iter()
         .enumerate()
         .filter(|(_, has_parent)| !**has_parent)
-        .map(|(index, _)| PlacedNode { index, world: DMat4::IDENTITY })
+        .map(|(index, _)| PlacedNode::root(index))
         .collect();
-    while let Some(PlacedNode { index, world: parent }) = stack.pop() {
+    while let Some(PlacedNode { index, world: parent, .. }) = stack.pop() {
         let (Some(node), Some(slot)) = (document.nodes.get(index), worlds.get_mut(index)) else { continue };
         *slot = parent * local(node, index, warnings)?;
         let world = *slot;
-        stack.extend(node.children.iter().map(|child| PlacedNode { index: child.index(), world }));
+        stack.extend(node.children.iter().map(|child| PlacedNode { world, ..PlacedNode::root(child.index()) }));
     }
     Ok(worlds)
 }
 
-fn visible(node: &GltfNode) -> bool {
+fn is_visible(node: &GltfNode) -> bool {
     node.extensions.as_ref().and_then(|e| e.visibility.as_ref()).is_none_or(|v| v.visible)
 }
 

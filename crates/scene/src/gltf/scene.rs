@@ -66,7 +66,7 @@ fn lens(camera: &CameraDef, i: usize) -> Result<Projection, SceneError> {
     }
 }
 
-/// The lights of the drawn nodes. Intensities in a file are physical (lux, candela). The devices have a factor in the
+/// The lights of the visible nodes. Intensities in a file are physical (lux, candela). The devices have a factor in the
 /// lighting formula, so intensities are scaled: the strongest is 1 at the centre of the model.
 pub(crate) fn lamps(
     document: &GltfDocument,
@@ -79,7 +79,7 @@ pub(crate) fn lamps(
         check_light(definition, i)?;
     }
     let (mut lamps, mut placed) = (Vec::new(), 0);
-    for node in nodes {
+    for node in nodes.iter().filter(|node| node.visible) {
         let reference = document.nodes.get(node.index).and_then(|n| n.extensions.as_ref()?.light.as_ref());
         let Some(definition) = reference.and_then(|r| definitions.get(r.light.index())) else { continue };
         placed += 1;

@@ -329,6 +329,25 @@ fn invisible_nodes_are_not_drawn() {
     refuses(&with(square(), "/nodes/0/extensions", hidden), "nothing to draw");
 }
 
+/// Visibility affects meshes and lights, but not cameras (KHR_node_visibility).
+#[test]
+fn hidden_node_keeps_camera_and_loses_light() {
+    let hidden = json!({"KHR_node_visibility": {"visible": false}});
+    let seen = import(&square()).unwrap().frames[0].camera;
+    assert_ne!(import(&with(square(), "/nodes/2/camera", json!(null))).unwrap().frames[0].camera.to_viewer, seen.to_viewer);
+    let camera = with(square(), "/nodes/2/extensions", hidden.clone());
+    assert_eq!(import(&camera).unwrap().frames[0].camera, seen);
+    // The parent hides its child.
+    let parent = json!({"children": [2], "translation": [0, 0, 5], "extensions": hidden});
+    let mut below = with(with(square(), "/nodes/0/children", json!([1, 3])), "/scenes/0/nodes", json!([0, 4]));
+    below["nodes"].as_array_mut().unwrap().push(parent);
+    assert_eq!(import(&below).unwrap().frames[0].camera, seen);
+    let mut light = square();
+    light["nodes"][3]["extensions"]["KHR_node_visibility"] = json!({"visible": false});
+    let default = import(&light).unwrap().frames[0].camera.to_light;
+    assert!((default[0] - 1.0).abs() > 0.1, "{default:?}");
+}
+
 #[test]
 fn numbers_that_are_not_finite_are_refused() {
     let accessor = json!({"componentType": 5126, "type": "VEC3"});
