@@ -96,6 +96,9 @@ pub(crate) fn lamps(
     if lamps.iter().any(|(_, i)| *i != 1.0) {
         warnings.add("intensities of lights are physical: scaled so that the strongest is 1 at the model's centre");
     }
+    if lamps.iter().any(|(lamp, _)| matches!(lamp, LightSource::Point(_))) {
+        warnings.add("point lights have no falloff with distance: each is as strong everywhere as at the model's centre");
+    }
     Ok(lamps.into_iter().map(|(lamp, i)| (lamp, i / strongest)).collect())
 }
 

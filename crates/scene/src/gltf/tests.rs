@@ -154,6 +154,12 @@ fn dark_lights_and_cut_sides_are_warnings() {
     assert!(warns(&light("color", json!([0, 0, 0])), dark));
     let lights = with(square(), "/extensions/KHR_lights_punctual/lights", json!([{"type": "point", "range": 3}]));
     assert!(warns(&lights, "`range` of lights is not used"));
+    let falloff = "point lights have no falloff with distance";
+    assert!(warns(&lights, falloff) && !warns(&square(), falloff), "a directional light has none in glTF either");
+    let spot = with(square(), "/extensions/KHR_lights_punctual/lights", json!([{"type": "spot"}]));
+    assert!(
+        warns(&spot, falloff) && !warns(&with(spot, "/extensions/KHR_lights_punctual/lights/0/intensity", json!(0)), falloff)
+    );
     // The image is 4 to 3.
     let orthographic =
         |xmag, ymag| json!([{"type": "orthographic", "orthographic": {"xmag": xmag, "ymag": ymag, "znear": 0, "zfar": 9}}]);
