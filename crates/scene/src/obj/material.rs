@@ -240,6 +240,9 @@ fn warn_of_omissions(definition: &MtlMaterial, emits: bool, warnings: &mut Impor
     if definition.emission_map.is_some() && !emits {
         warnings.add("MTL statement `map_Ke` is not used, except where `Kd` is black and `Ke` is not");
     }
+    if definition.normal.is_some() && definition.bump.is_some() {
+        warnings.add(format!("material `{}`: its `bump` is not used, because its `norm` is a normal map too", name()));
+    }
     if black && definition.color.is_some() {
         warnings.add(format!("material `{}`: its `Kd` is black, so that its `map_Kd` does not show", name()));
     }

@@ -48,6 +48,18 @@ fn missing_libraries_and_pictures_are_warnings() {
 }
 
 #[test]
+fn height_map_beside_normal_map_is_a_warning() {
+    let warnings = |mtl: &str| {
+        let files = MemoryFiles::default().with("lib/m.mtl", mtl).with("lib/h.png", png(2, 2, |_, _| [128, 128, 255, 255]));
+        import(SQUARE, &files).unwrap().warnings
+    };
+    let unused = ["material `stone`: its `bump` is not used, because its `norm` is a normal map too"];
+    assert_eq!(warnings("newmtl stone\nbump h.png\nnorm h.png\n"), unused);
+    assert_eq!(warnings("newmtl stone\nbump h.png\n"), [""; 0]);
+    assert_eq!(warnings("newmtl stone\nnorm h.png\n"), [""; 0]);
+}
+
+#[test]
 fn corrupt_picture_is_an_error_that_names_it() {
     let files = MemoryFiles::default().with("lib/m.mtl", "newmtl stone\nmap_Kd c.png\n").with("lib/c.png", *b"GIF89a");
     assert!(import(SQUARE, &files).unwrap_err().to_string().starts_with("lib/c.png: neither PNG nor JPEG (a GIF picture)"));
