@@ -344,6 +344,7 @@ pub(crate) struct ImageDef {
 #[serde(rename_all = "camelCase")]
 pub(crate) struct SamplerDef {
     pub mag_filter: Option<GltfInteger>,
+    pub min_filter: Option<GltfInteger>,
     pub wrap_s: Option<GltfInteger>,
     pub wrap_t: Option<GltfInteger>,
 }

@@ -20,6 +20,12 @@ use std::sync::Arc;
 /// Memory of a material beside its name \[bytes\].
 const MATERIAL: u64 = 512;
 
+/// Number of a linear filter in glTF.
+const LINEAR: u64 = 9729;
+
+/// Number of a linear filter between linearly filtered MIP levels in glTF.
+const LINEAR_MIPMAP_LINEAR: u64 = 9987;
+
 /// A material and its requests to the primitives that use it.
 #[derive(Clone)]
 pub(crate) struct BuiltMaterial {
@@ -137,6 +143,7 @@ impl<'a> MaterialBuilder<'a> {
             return Ok(None);
         };
         let sampler = self.sampler(texture.sampler)?;
+        self.warn_of_filters(texture.sampler, warnings);
         let of_picture = self.shared.get(&source.index()).into_iter().flatten();
         if let Some((.., shared)) = of_picture.into_iter().find(|(s, c, _)| *s == sampler && *c == content) {
             return Ok(Some(shared.clone()));
@@ -175,7 +182,7 @@ impl<'a> MaterialBuilder<'a> {
                 .expected("10497 (repeat), 33648 (mirrored repeat) or 33071 (clamp to edge)")),
         };
         let filter = match definition.mag_filter.map(|m| m.0) {
-            None | Some(9729) => TexelFilter::Bilinear,
+            None | Some(LINEAR) => TexelFilter::Bilinear,
             Some(9728) => TexelFilter::Nearest,
             Some(other) => {
                 return Err(SceneError::at(format!("{}/magFilter", place()), format!("filter {other}"))
@@ -183,6 +190,18 @@ impl<'a> MaterialBuilder<'a> {
             }
         };
         Ok(Sampler { wrap: [wrap(definition.wrap_s, "wrapS")?, wrap(definition.wrap_t, "wrapT")?], filter })
+    }
+
+    /// Warns if a sampler has other filters than the linear ones with MIP levels. No device reads the filters of a sampler.
+    fn warn_of_filters(&self, index: Option<GltfInteger>, warnings: &mut ImportWarnings) {
+        let Some(definition) = index.and_then(|index| self.document.samplers.get(index.index())) else { return };
+        let differs = |filter: Option<GltfInteger>, linear: u64| filter.is_some_and(|filter| filter.0 != linear);
+        if differs(definition.mag_filter, LINEAR) || differs(definition.min_filter, LINEAR_MIPMAP_LINEAR) {
+            warnings.add(
+                "filters of samplers (`magFilter`, `minFilter`) are not used: the device filters all textures alike, \
+                 by its parameters `filter` and `mip`",
+            );
+        }
     }
 
     /// Returns a picture file for this use.

@@ -330,6 +330,22 @@ fn emission_has_neither_vertex_colours_nor_highlight() {
 }
 
 #[test]
+fn unused_filters_of_samplers_are_one_warning() {
+    let unused = "filters of samplers (`magFilter`, `minFilter`) are not used";
+    let count = |sampler: Value| {
+        let scene = import(&with(square(), "/samplers/0", sampler)).unwrap();
+        scene.warnings.iter().filter(|warning| warning.contains(unused)).count()
+    };
+    for min in [9728, 9729, 9984, 9985, 9986] {
+        assert_eq!(count(json!({"minFilter": min})), 1, "{min}");
+    }
+    assert_eq!(count(json!({"minFilter": 9728, "magFilter": 9728})), 1);
+    assert_eq!(count(json!({"minFilter": 9987, "magFilter": 9728})), 1);
+    assert_eq!(count(json!({"minFilter": 9987, "magFilter": 9729})), 0);
+    assert_eq!(count(json!({})), 0);
+}
+
+#[test]
 fn invisible_nodes_are_not_drawn() {
     let hidden = json!({"KHR_node_visibility": {"visible": false}});
     refuses(&with(square(), "/nodes/0/extensions", hidden), "nothing to draw");
