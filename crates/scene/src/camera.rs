@@ -33,6 +33,11 @@ impl WorldBounds {
         (self.low + self.high) / 2.0
     }
 
+    /// Diagonal; 2 for a single point.
+    pub(crate) fn size(&self) -> f64 {
+        2.0 * self.radius()
+    }
+
     /// Half the diagonal; 1 for a single point, so that it can be looked at.
     fn radius(&self) -> f64 {
         let radius = (self.high - self.low).length() / 2.0;

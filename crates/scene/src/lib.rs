@@ -73,6 +73,7 @@ impl SceneSubject {
         let mut warnings = ImportWarnings::default();
         let outside = ImportContext::new(files, budget);
         let model = import(bytes, name, &outside, &mut warnings).map_err(|e| e.in_file(name))?;
+        model.warn_of_far_vertices(&mut warnings);
         let hints = ViewHints { shading: model.shading, ..ViewHints::still(model.bounds, model.camera, model.lamps) };
         let (objects, camera_ratio) = (model.objects, model.camera_ratio);
         let subject = Self { name: name.into(), objects, hints, camera_ratio, warnings: warnings.into_vec() };

@@ -378,6 +378,28 @@ fn numbers_that_are_not_finite_are_refused() {
 }
 
 #[test]
+fn vertices_far_from_origin_of_mesh_are_a_warning() {
+    let moved = |x: f32| {
+        let corners = [[0f32, 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]].map(|[a, b, c]| [a + x, b, c]);
+        let accessor = json!({"componentType": 5126, "type": "VEC3"});
+        with_attribute("POSITION", &floats(corners.as_flattened()), json!({}), accessor)
+    };
+    let warning = |document: &Value| {
+        let warnings = import(document).unwrap().warnings;
+        warnings.into_iter().find(|warning| warning.starts_with("vertices are"))
+    };
+    // The diagonal is the root of 2, so the bound of 819.2 sizes is at 1158.5.
+    assert_eq!(warning(&moved(1150.0)), None);
+    let expected = "vertices are 820 times the model's size away from the origin of their mesh, and single precision moves them \
+        by about 0.06 pixels in an image of 640 pixels; move the mesh to the origin, and give its place to a node";
+    assert_eq!(warning(&moved(1159.0)).as_deref(), Some(expected));
+    // A node at the same place costs nothing: matrices are multiplied in double precision.
+    assert_eq!(warning(&with(square(), "/nodes/0/translation", json!([1e9, 0, 0]))), None);
+    let back = with(moved(1159.0), "/nodes/0/translation", json!([-1159, 0, 0]));
+    assert_eq!(warning(&back).as_deref(), Some(expected), "the error is that of the mesh, not of the model");
+}
+
+#[test]
 fn a_list_is_no_object() {
     let list = "a list stands here, expected an object";
     refuses(&with(square(), "/asset", json!(["2.0", null])), list);
