@@ -10,8 +10,11 @@ use std::ops::RangeInclusive;
 /// small enough for exact fixed-point edge functions in 64 bits.
 pub const GUARD_BAND: f32 = (1 << 19) as f32;
 /// Depth is 0..=1. Corners cut at the near or far plane may exceed it by the rounding of z / w, which is large if w is
-/// small. The machine clamps.
+/// small. The machine clamps the depth of each pixel.
 const DEPTH: RangeInclusive<f32> = -1.0..=2.0;
+/// A polygon whose depths are all larger lies behind the far plane. Depths of a recorded polygon exceed 1 by rounding only: w is large at
+/// the far plane.
+const FARTHEST: f32 = 1.0 + 1.0 / 1024.0;
 /// Largest arrival \[cycles\]: minutes at any clock. A display reads its buffer while the machine waits, and a run of ten billion cycles of
 /// waiting takes about 8 s.
 const MAX_ARRIVAL: u64 = 100_000_000_000;
@@ -166,6 +169,11 @@ fn check_polygon(polygon: &PolygonRecord) -> Result<(), CommandFault> {
     for (i, position) in polygon.position.iter().enumerate() {
         check_position(position).map_err(|message| CommandFault::new(format!("position[{i}]"), message))?;
     }
+    if polygon.position.iter().all(|[_, _, depth, _]| *depth > FARTHEST) {
+        let message =
+            "has depths above 1 only, expected at least one in 0..=1: the polygon lies behind the far plane, leave it out";
+        return Err(CommandFault::new("position", message));
+    }
     attribute("normal", &polygon.normal, count)?;
     attribute("tangent", &polygon.tangent, count)?;
     attribute("uv", &polygon.uv, count)?;
@@ -180,7 +188,9 @@ fn check_position(&[x, y, depth, reciprocal_w]: &[f32; 4]) -> Result<(), String>
         return Err(format!("x, y is {x}, {y}, expected within +-{GUARD_BAND} pixels: clip the polygon"));
     }
     if !DEPTH.contains(&depth) {
-        return Err(format!("depth is {depth}, expected 0..=1, rounding apart: clip the polygon"));
+        return Err(format!(
+            "depth is {depth}, expected 0..=1, and for rounded corners at the near or far plane -1..=2: clip the polygon"
+        ));
     }
     if !(reciprocal_w > 0.0 && reciprocal_w.is_finite()) {
         return Err(format!("1 / w is {reciprocal_w}, expected a positive number: clip the polygon"));

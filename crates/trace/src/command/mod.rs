@@ -235,7 +235,8 @@ fields! {
         /// Cycle in which the geometry processor (102) would have delivered it unblocked; never falls.
         #[schemars(range(max = 9_007_199_254_740_992_u64))]
         arrival: u64,
-        /// Window x and y \[pixels, y down, within +-2^19\], depth 0..=1, 1 / w of the clip-space position (> 0).
+        /// Window x and y \[pixels, y down, within +-2^19\], depth, 1 / w of the clip-space position (> 0). Depth is 0..=1. Because
+        /// of rounding, corners at the near or far plane may have -1..=2, and the machine clamps the depth of each pixel.
         #[schemars(length(min = 3, max = MAX_VERTICES))]
         position: Vec<[f32; 4]>,
     } optional {

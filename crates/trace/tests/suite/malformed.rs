@@ -123,7 +123,8 @@ const CASES: &[(&str, &str, u64, &str, &str)] = &[
     (",[0.0,8.0,0.5,1.0]]", "]", 7, "polygon.position", "holds 2 vertices, expected 3..=64"),
     ("[8.0,0.0,0.5,1.0]", "[600000,0.0,0.5,1.0]", 7, "polygon.position[1]", "within +-524288"),
     ("[8.0,0.0,0.5,1.0]", "[8.0,-1e9,0.5,1.0]", 7, "polygon.position[1]", "within +-524288"),
-    ("[8.0,0.0,0.5,1.0]", "[8.0,0.0,2.5,1.0]", 7, "polygon.position[1]", "depth is 2.5"),
+    ("[8.0,0.0,0.5,1.0]", "[8.0,0.0,2.5,1.0]", 7, "polygon.position[1]", "depth is 2.5, expected 0..=1, and for rounded corners"),
+    ("[8.0,0.0,0.5,1.0]", "[8.0,0.0,-1.5,1.0]", 7, "polygon.position[1]", "depth is -1.5"),
     ("[8.0,0.0,0.5,1.0]", "[8.0,0.0,0.5,0]", 7, "polygon.position[1]", "1 / w is 0"),
     ("[8.0,0.0,0.5,1.0]", "[8.0,0.0,0.5,1e39]", 7, "polygon.position[1]", TOO_LARGE),
     ("[8.0,0.0,0.5,1.0]", "[8.0,0.0,0.5]", 7, "polygon.position[1]", "a list of 3 stands here, expected a list of 4"),
@@ -180,6 +181,24 @@ fn misplaced_shading_command_is_refused() {
     ] {
         let error = error_of(ahead_of("object", wrong).as_bytes());
         assert!(error.to_string().contains(message), "{wrong}: {error}");
+    }
+}
+
+/// Returns the sample with other depths of its polygon.
+fn with_depths(depths: [f32; 3]) -> String {
+    let mut text = SAMPLE.to_string();
+    for ([x, y], depth) in [["0.0", "0.0"], ["8.0", "0.0"], ["0.0", "8.0"]].iter().zip(depths) {
+        text = text.replacen(&format!("[{x},{y},0.5,1.0]"), &format!("[{x},{y},{depth:?},1.0]"), 1);
+    }
+    text
+}
+
+#[test]
+fn polygon_behind_far_plane_is_refused() {
+    let error = error_of(with_depths([1.5, 1.25, 1.5]).as_bytes()).to_string();
+    assert!(error.starts_with("line 7: polygon.position: has depths above 1 only, expected at least one in 0..=1"), "{error}");
+    for rounded in [[1.0, 1.0, 1.0], [1.0001, 1.0001, 1.0001], [1.5, 1.5, 0.9], [-0.5, -0.5, -0.5]] {
+        assert!(resolve(with_depths(rounded).as_bytes()).is_ok(), "{rounded:?}");
     }
 }
 
