@@ -1,6 +1,6 @@
 //! Recording, replaying, converting, verifying.
 
-use crate::support::{Place, sha256};
+use crate::support::{Place, sha256, workspace};
 use basrelief_report::number::thousands;
 use std::fs;
 
@@ -43,6 +43,31 @@ fn conversion_there_and_back_is_identical() {
     }
     let error = place.run("convert t.jsonl t.txt");
     assert!(error.error(2).contains(".jsonl or .bdl"), "{}", error.err);
+}
+
+#[test]
+fn polygon_that_is_not_convex_is_a_warning() {
+    let place = Place::new();
+    let quad = fs::read_to_string(workspace().join("crates/sim/src/quad.dl.jsonl")).expect("read");
+    let square = "[[1,1,0.5,1],[1,7,0.5,1],[7,7,0.5,1],[7,1,0.5,1]]";
+    let polygon = quad.lines().nth(4).expect("the polygon");
+    let dent = polygon.replace(square, "[[1,1,0.5,1],[4,3,0.5,1],[7,1,0.5,1],[4,7,0.5,1]]");
+    let bow = polygon.replace(square, "[[1,1,0.5,1],[7,7,0.5,1],[1,7,0.5,1],[7,1,0.5,1]]");
+    let both = quad.replace(polygon, &format!("{polygon}\n{dent}\n{bow}")).replace("\"commands\":6", "\"commands\":8");
+    for (text, line, others) in [(quad.replace(polygon, &dent), 5, ""), (both, 6, ", as well as 1 later polygon")] {
+        fs::write(place.path("t.jsonl"), text).expect("written");
+        let run = place.ok("run t.jsonl --out out");
+        let warning = format!(
+            "line {line}: polygon.position: the polygon is not convex or crosses itself, so image and reference image can be wrong; \
+             cut it into triangles{others}"
+        );
+        assert!(place.report("out")["warnings"].as_array().expect("a list").contains(&warning.clone().into()), "{warning}");
+        let terminal = format!("{}{}", run.out, run.err).split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(terminal.contains(&warning), "{terminal}");
+    }
+    fs::write(place.path("t.jsonl"), quad).expect("written");
+    place.ok("run t.jsonl --out out");
+    assert!(!place.text("out/report.json").contains("not convex"));
 }
 
 #[cfg(unix)]

@@ -42,6 +42,7 @@ mod canonical_hash;
 mod check;
 mod command;
 mod data;
+mod dent;
 mod error;
 mod form;
 mod lent;
@@ -61,6 +62,7 @@ pub use command::{
     TextureDefinition, TextureKind, TraceCommand, VERSION,
 };
 pub use data::{Digest, Texels};
+pub use dent::DentedPolygons;
 pub use error::{ErrorKind, TraceError, TracePlace};
 pub use form::{TraceEncoding, TraceForm, looks_like_trace};
 pub use parameter_value::{ParameterValue, ScalarValue};

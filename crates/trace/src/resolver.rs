@@ -3,6 +3,7 @@
 use crate::check::check_length;
 use crate::command::*;
 use crate::data::Digest;
+use crate::dent::{DentedPolygons, is_dented};
 use crate::error::{CommandFault, ErrorKind, TraceError, TracePlace};
 use crate::lent::LentTokens;
 use crate::reader::{TraceReader, open};
@@ -76,6 +77,7 @@ pub struct TraceResolver<R: Read, F> {
     /// Importance of the next object.
     bias: Option<u8>,
     expectations: Vec<PlacedExpectation>,
+    dented: Option<DentedPolygons>,
     failed: bool,
     budget: MemoryPool,
     /// Reservation of the kept data.
@@ -107,6 +109,7 @@ impl<R: Read, F: TextureFiles> TraceResolver<R, F> {
             shading: ShadingSettings::default(),
             bias: None,
             expectations: Vec::new(),
+            dented: None,
             failed: false,
             budget: budget.clone(),
             held,
@@ -136,6 +139,11 @@ impl<R: Read, F: TextureFiles> TraceResolver<R, F> {
     /// Expectations read so far. All are there after the iteration has ended.
     pub fn expectations(&self) -> &[PlacedExpectation] {
         &self.expectations
+    }
+
+    /// Returns the polygons so far that are not convex; `None` without one.
+    pub fn dented_polygons(&self) -> Option<DentedPolygons> {
+        self.dented
     }
 
     /// Returns all expectations with their reservation.
@@ -193,7 +201,11 @@ impl<R: Read, F: TextureFiles> TraceResolver<R, F> {
         Frame { index: frame.index, width, height, camera: frame.camera, lights, textures, shading }
     }
 
-    fn polygon(&self, polygon: &PolygonRecord) -> Result<Polygon, CommandFault> {
+    fn polygon(&mut self, polygon: &PolygonRecord) -> Result<Polygon, CommandFault> {
+        if is_dented(&polygon.position) {
+            let first = self.reader.place();
+            self.dented.get_or_insert(DentedPolygons { first, count: 0 }).count += 1;
+        }
         let &PolygonRecord { object, lod, bump, arrival, .. } = polygon;
         let material = self.materials.get(&polygon.material).ok_or_else(|| unknown("material", polygon.material))?;
         Ok(Polygon { vertices: vertices(polygon), material: Arc::clone(material), object, lod, bump, arrival })

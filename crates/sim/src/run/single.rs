@@ -202,7 +202,8 @@ impl RunJob<'_> {
         session.simulate_s -= seen.seconds - ahead;
         let sha256 = seen.digest.map(|d| d.to_string()).unwrap_or_default();
         let input = Input { kind: "trace".into(), name: file_name(&name), sha256 };
-        let info = InputInfo { input, frame: seen.frame.as_deref(), warnings: &[], expectations: seen.expectations };
+        let warnings: Vec<String> = seen.dented.iter().map(ToString::to_string).collect();
+        let info = InputInfo { input, frame: seen.frame.as_deref(), warnings: &warnings, expectations: seen.expectations };
         Ok(session.finish(spec, info, result))
     }
 }

@@ -6,7 +6,9 @@ use crate::options::RunOptions;
 use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_reference::{PolygonRenderer, RenderStyle, RgbPicture};
 use basrelief_signals::{Control, Frame};
-use basrelief_trace::{BeginCommand, CanonicalHash, Digest, ExpectedResults, TextureFiles, TraceError, TraceResolver};
+use basrelief_trace::{
+    BeginCommand, CanonicalHash, DentedPolygons, Digest, ExpectedResults, TextureFiles, TraceError, TraceResolver,
+};
 use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::io::Read;
@@ -25,6 +27,8 @@ pub(crate) struct TraceNotes {
     /// Hash of all commands; `None` until the end.
     pub(crate) digest: Option<Digest>,
     pub(crate) expectations: Vec<ExpectedResults>,
+    /// Polygons so far that are not convex.
+    pub(crate) dented: Option<DentedPolygons>,
     /// Error in the trace.
     pub(crate) error: Option<TraceError>,
     /// Time of reading, hashing and exact drawing \[s\], which is not simulation time.
@@ -80,6 +84,7 @@ impl TraceTap {
 
     fn pass(&mut self, control: &Control, seen: &mut TraceNotes) -> Result<(), TraceError> {
         seen.commands += 1;
+        seen.dented = self.resolver.dented_polygons();
         if let Some(hash) = &mut self.hash {
             hash.update(control)?;
         }
