@@ -5,18 +5,23 @@
 //! effect comes from this axis only. A sample adds noise, which shrinks with the number of points. Interactions of two axes do not
 //! show here; a heat map of both shows them.
 //!
+//! Axes that change together, such as the parameters of a `[[zip]]`, count as one axis: no point tells their effects apart.
+//!
 //! If every point differs from the first point in at most one axis, points that differ in another axis are left out: the effect of an
 //! axis is then relative to the first point only.
 
 use crate::levels::ColumnLevels;
 use crate::rules::ObjectiveDirection;
 use crate::table::{PointState, Row, Table};
+use std::collections::BTreeMap;
 
 /// Effect of an axis on an objective.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Effect {
     /// Number of the axis's column.
     pub axis: usize,
+    /// Columns of the axes that change together with it.
+    pub tied: Vec<usize>,
     /// Number of the objective's column.
     pub objective: usize,
     /// Means by level of the axis, in order. An axis of more than twelve values has several values per level.
@@ -58,19 +63,21 @@ impl Effect {
 /// Effects of all axes on all objectives: by objective in the order of the table, of each the largest first, equal ones in the
 /// order of the table. Counted are all points that have run, whether they keep the constraints or not.
 pub fn effects(table: &Table) -> Vec<Effect> {
-    let axes: Vec<(usize, ColumnLevels)> = table.axes().map(|axis| (axis, ColumnLevels::of(table, axis))).collect();
+    let axes: Vec<(Vec<usize>, ColumnLevels)> =
+        tied_axes(table).into_iter().map(|tied| (tied.clone(), ColumnLevels::of(table, tied[0]))).collect();
     let star = is_star(table);
     let counts = |axis: usize, row: &usize| !star || *row == 0 || table.rows[*row].cells[axis] != table.rows[0].cells[axis];
     let of = |(objective, goal)| {
-        let effect = |(axis, levels): &(usize, ColumnLevels)| Effect {
-            axis: *axis,
+        let effect = |(axes, levels): &(Vec<usize>, ColumnLevels)| Effect {
+            axis: axes[0],
+            tied: axes[1..].to_vec(),
             objective,
             levels: levels
                 .labels
                 .iter()
                 .zip(levels.rows())
                 .filter_map(|(label, mut rows)| {
-                    rows.retain(|row| counts(*axis, row));
+                    rows.retain(|row| counts(axes[0], row));
                     level(table, objective, goal, label, &rows)
                 })
                 .collect(),
@@ -80,6 +87,50 @@ pub fn effects(table: &Table) -> Vec<Effect> {
         effects
     };
     table.objectives().flat_map(of).collect()
+}
+
+/// Groups the axes that change together: the value of one gives the value of the other, in both directions. Axes with one value are
+/// groups of their own.
+fn tied_axes(table: &Table) -> Vec<Vec<usize>> {
+    let mut groups: Vec<(NumberedValues, Vec<usize>)> = vec![];
+    for axis in table.axes() {
+        let values = NumberedValues::of(table, axis);
+        match groups.iter_mut().find(|(first, _)| first.is_tied_to(&values)) {
+            Some((_, group)) => group.push(axis),
+            None => groups.push((values, vec![axis])),
+        }
+    }
+    groups.into_iter().map(|(_, group)| group).collect()
+}
+
+/// The values of an axis, as numbers in the order of their appearance.
+struct NumberedValues {
+    by_row: Vec<usize>,
+    count: usize,
+}
+
+impl NumberedValues {
+    fn of(table: &Table, axis: usize) -> Self {
+        let mut numbers = BTreeMap::new();
+        let mut number = |value: String| {
+            let next = numbers.len();
+            *numbers.entry(value).or_insert(next)
+        };
+        let by_row = table.rows.iter().map(|row| number(row.cells[axis].to_string())).collect();
+        Self { by_row, count: numbers.len() }
+    }
+
+    /// True if both axes have several values and change together. Values that change together appear together for the first time, so
+    /// they have the same number.
+    fn is_tied_to(&self, other: &Self) -> bool {
+        self.count > 1 && self.by_row == other.by_row
+    }
+}
+
+/// Returns true if the points are a whole grid, so that an effect comes from its axis only.
+pub(crate) fn is_whole_grid(table: &Table) -> bool {
+    let count = |tied: Vec<usize>| NumberedValues::of(table, tied[0]).count;
+    tied_axes(table).into_iter().map(count).try_fold(1, usize::checked_mul) == Some(table.rows.len())
 }
 
 /// Returns true if each point differs from the first point in at most one axis.
@@ -138,6 +189,24 @@ mod tests {
         let (low, high) = effects[0].extreme_levels().unwrap();
         assert_eq!((low, high.label.as_str()), (&ValueEffect { label: "0".into(), points: 4, mean: 15.0, best: 0.0 }, "2"));
         assert_eq!(effects[3].levels[0].best, 3.0);
+    }
+
+    /// Axis `b` of the grid, and an axis that changes with it.
+    #[test]
+    fn axes_that_change_together_are_one_axis() {
+        let mut table = grid();
+        assert!(is_whole_grid(&table));
+        table.columns.push(Column { name: "c".into(), ..table.columns[3].clone() });
+        for row in &mut table.rows {
+            let Cell::Whole(b) = row.cells[3] else { panic!("{row:?}") };
+            row.cells.push(Cell::Text(format!("value {b}")));
+        }
+        let told: Vec<_> = effects(&table).into_iter().take(2).map(|e| (e.axis, e.tied, e.levels.len())).collect();
+        assert_eq!(told, [(2, vec![], 3), (3, vec![4], 4)]);
+        assert!(is_whole_grid(&table));
+        table.rows.remove(5);
+        assert!(!is_whole_grid(&table));
+        assert_eq!(effects(&table)[1].tied, [4]);
     }
 
     #[test]

@@ -61,13 +61,16 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
     figures.ratio("time_ms", 1e3 * total, hz, "ms", "1000 * cycles.total / config.clock.hz");
     let frames = report.frames() as f64;
     if frames > 0.0 {
-        let count = if report.picture_term() == "frame" { "count(cycles.frames)" } else { "figures.frames" };
-        let whole = cycles.frames.iter().sum::<u64>() as f64;
-        let formula = format!("1000 * sum(cycles.frames) / ({count} * config.clock.hz)");
+        let [sum, count] = match report.picture_term() {
+            "frame" => ["sum(cycles.frames)", "count(cycles.frames)"],
+            _ => ["sum(cycles.frames of finished frames)", "figures.frames"],
+        };
+        let whole = report.cycles_of_frames().iter().sum::<u64>() as f64;
+        let formula = format!("1000 * {sum} / ({count} * config.clock.hz)");
         if let Some(ms) = report.frame_ms() {
             figures.ratio("frame_ms", ms, 1.0, "ms", formula);
         }
-        let formula = format!("config.clock.hz * {count} / sum(cycles.frames)");
+        let formula = format!("config.clock.hz * {count} / {sum}");
         figures.ratio("frames_per_s", hz * frames, whole, "1/s", formula);
     }
     let formula = format!("{} * config.clock.hz / {render} / 1e6", work.formula);
@@ -190,10 +193,18 @@ mod tests {
         let of_frames = derive(&report)["frame_ms"].value;
         assert_eq!((report.frames(), report.pictures(), report.picture_term()), (2, 2, "frame"));
         report.figures.insert("frames".into(), 1.into());
+        report.figures.insert("picture_frame".into(), crate::model::Figure::List(vec![0.into(), 0.into()]));
         let derived = derive(&report);
         assert_eq!((report.frames(), report.pictures(), report.picture_term()), (1, 2, "picture"));
         assert_eq!((derived["frame_ms"].value, derived["frames_per_s"].value), (2.0 * of_frames, 1e3 / (2.0 * of_frames)));
         assert!(derived["frame_ms"].formula.contains("(figures.frames * "), "{}", derived["frame_ms"].formula);
+        // A picture of a frame that was not finished counts in no mean.
+        let mut stopped = report.clone();
+        stopped.cycles.as_mut().unwrap().frames.push(9);
+        stopped.figures.insert("picture_frame".into(), crate::model::Figure::List(vec![0.into(), 0.into()]));
+        assert_eq!((stopped.frame_ms(), stopped.frames(), stopped.pictures()), (report.frame_ms(), 1, 3));
+        stopped.figures.insert("frames".into(), 0.into());
+        assert_eq!((stopped.frame_ms(), stopped.frames()), (None, 0));
         // Pictures of other frames are not paired.
         let mut other = report.clone();
         other.cycles.as_mut().unwrap().frames.push(7);

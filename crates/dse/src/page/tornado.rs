@@ -2,7 +2,7 @@
 
 use super::data::SweepView;
 use super::labels::rounded;
-use crate::effects::{Effect, effects};
+use crate::effects::{Effect, effects, is_whole_grid};
 use basrelief_report::html::markup::{Html, breakable, el, el_text, text};
 use basrelief_report::html::svg::{rect, svg};
 use basrelief_report::html::{Align, with_cells};
@@ -16,8 +16,10 @@ pub(super) fn tornado(sweep: &SweepView<'_>) -> Html {
         return tables;
     }
     let about = "Mean of an objective over all points with the same value of an axis. The bar spans the lowest to the highest mean: a longer \
-                 bar means a stronger effect. Random samples add noise; a whole grid does not.";
-    [el_text("p", "quiet", about), tables].into_iter().collect()
+                 bar means a stronger effect.";
+    let noise =
+        if is_whole_grid(sweep.table) { "" } else { " The points are no whole grid, so other axes can add to an effect." };
+    [el_text("p", "quiet", &format!("{about}{noise}")), tables].into_iter().collect()
 }
 
 fn table(sweep: &SweepView<'_>, effects: &[Effect]) -> Html {
@@ -43,7 +45,13 @@ fn table(sweep: &SweepView<'_>, effects: &[Effect]) -> Html {
             false => format!("from {} at {at_least} to {} at {at_most}", rounded(least.mean), rounded(most.mean)),
         };
         vec![
-            breakable(&sweep.table.columns[effect.axis].name),
+            breakable(
+                std::iter::once(&effect.axis)
+                    .chain(&effect.tied)
+                    .map(|axis| sweep.table.columns[*axis].name.as_str())
+                    .collect::<Vec<_>>()
+                    .join(" with "),
+            ),
             svg("bar", (1000.0, 10.0), &says, "none", shape),
             text(rounded(effect.mean_range())),
             text(rounded(least.mean)),

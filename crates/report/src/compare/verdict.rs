@@ -26,6 +26,29 @@ pub(super) fn verdict(a: &Report, b: &Report, equal: bool) -> Verdict {
     judge.0
 }
 
+/// Cycles of the finished frames of A and B.
+struct FrameCycles {
+    by_frame: [Vec<u64>; 2],
+    /// Name of the cycles of a frame.
+    name: fn(usize) -> String,
+}
+
+impl FrameCycles {
+    /// The cycles of each frame that both runs have, with their name.
+    fn pairs(&self) -> impl Iterator<Item = (String, u64, u64)> {
+        let [a, b] = &self.by_frame;
+        a.iter().zip(b).enumerate().map(|(k, (before, after))| ((self.name)(k), *before, *after))
+    }
+}
+
+/// Returns the name of the cycles of a frame, counted from 0: their entry of the reports, unless that has the cycles of a picture.
+fn frame_name(reports: [&Report; 2]) -> fn(usize) -> String {
+    match reports.iter().all(|report| report.picture_term() == "frame") {
+        true => |k| format!("cycles.frames[{k}]"),
+        false => |k| format!("cycles of frame {}", k + 1),
+    }
+}
+
 struct VerdictBuilder(Verdict);
 
 impl VerdictBuilder {
@@ -59,28 +82,29 @@ impl VerdictBuilder {
     /// Judges cycles, or times if the clocks differ.
     fn cycles(&mut self, a: &Report, b: &Report) {
         let (clocks, ms) = (Clocks::of(a, b), a.frame_ms().zip(b.frame_ms()));
+        let frames = FrameCycles { by_frame: [a, b].map(Report::cycles_of_frames), name: frame_name([a, b]) };
         let Some(a) = &a.cycles else { return };
         let Some(b) = &b.cycles else { return self.reject("cycles", LACKS) };
-        self.frames("cycles.frames", [a.frames.len(), b.frames.len()]);
+        self.frames("cycles.frames", frames.by_frame.each_ref().map(Vec::len));
         match clocks {
-            Clocks::Differ([hz_a, hz_b]) => return self.times(ms, [a, b], hz_a / hz_b),
+            Clocks::Differ([hz_a, hz_b]) => return self.times(ms, [a, b], &frames, hz_a / hz_b),
             Clocks::OnlyInA => self.reject("config.clock.hz", LACKS),
             Clocks::OnlyInB | Clocks::Same => {}
         }
         self.growth("cycles.total".into(), a.total, b.total);
-        for (k, (before, after)) in a.frames.iter().zip(&b.frames).enumerate() {
-            self.growth(format!("cycles.frames[{k}]"), *before, *after);
+        for (name, before, after) in frames.pairs() {
+            self.growth(name, before, after);
         }
     }
 
     /// Judges times. `frame_ms`: mean times of a frame; `scale`: the clock of A divided by that of B.
-    fn times(&mut self, frame_ms: Option<(f64, f64)>, [a, b]: [&Cycles; 2], scale: f64) {
+    fn times(&mut self, frame_ms: Option<(f64, f64)>, [a, b]: [&Cycles; 2], frames: &FrameCycles, scale: f64) {
         if let Some((before, after)) = frame_ms {
             self.slowdown("derived.frame_ms".into(), before, after, 1.0);
         }
         self.slowdown("derived.time_ms".into(), a.total as f64, b.total as f64, scale);
-        for (k, (before, after)) in a.frames.iter().zip(&b.frames).enumerate() {
-            self.slowdown(format!("time of cycles.frames[{k}]"), *before as f64, *after as f64, scale);
+        for (name, before, after) in frames.pairs() {
+            self.slowdown(format!("time of {name}"), before as f64, after as f64, scale);
         }
     }
 

@@ -6,6 +6,7 @@ use super::table::html;
 use crate::model::{Cycles, Report};
 use crate::number::{decimal, thousands};
 use crate::text::table::{Align::Right, Table};
+use basrelief_reference::QualityMetrics;
 
 /// Maximum number of columns of the chart, and of rows of the table.
 const COLUMNS: usize = 120;
@@ -35,13 +36,20 @@ fn chart(Cycles { frames, .. }: &Cycles, term: &str) -> Html {
     ColumnChart { title: &title, axes, class: "amount", columns, ruler, top, size: (640.0, 180.0) }.draw()
 }
 
+/// Returns the quality of a picture. Of several pictures of a frame, only the last one was compared.
+fn quality_of_picture(report: &Report, picture: usize) -> Option<&QualityMetrics> {
+    let (quality, frames) = (report.quality.as_ref()?, report.frames_of_pictures());
+    let (frame, next) = (frames.get(picture)?, frames.get(picture + 1));
+    let last = quality.frames.is_empty() && next.is_none();
+    quality.frames.get(*frame).or(last.then_some(&quality.last)).filter(|_| next != Some(frame))
+}
+
 fn table(report: &Report, cycles: &Cycles) -> Table {
     let titles = [report.picture_term(), "cycles", "ms", "PSNR dB", "SSIM", "FLIP"];
     let mut table = Table::new(&titles.map(|title| (title, Right, 0)));
     let hz = report.clock_hz();
-    let last = report.quality.as_ref().map(|quality| &quality.last).filter(|_| cycles.frames.len() == 1);
     for (k, &n) in cycles.frames.iter().take(ROWS).enumerate() {
-        let quality = report.quality.as_ref().and_then(|quality| quality.frames.get(k)).or(last);
+        let quality = quality_of_picture(report, k);
         let [psnr, ssim, flip] = quality
             .map_or_else(Default::default, |q| [format!("{:.2}", q.psnr_db), format!("{:.4}", q.ssim), format!("{:.4}", q.flip)]);
         let ms = hz.map_or(String::new(), |hz| decimal(1e3 * n as f64 / hz, 3));
@@ -55,4 +63,26 @@ fn table(report: &Report, cycles: &Cycles) -> Table {
         table.row(["write tail".into(), thousands(report.drain()), ms]);
     }
     table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Figure;
+    use crate::samples;
+
+    #[test]
+    fn quality_of_a_frame_stands_beside_its_last_picture() {
+        let mut report = samples::balanced();
+        report.cycles.as_mut().unwrap().frames = vec![7; 3];
+        report.figures.insert("picture_frame".into(), Figure::List(vec![0.into(), 0.into(), 1.into()]));
+        let quality = report.quality.as_mut().unwrap();
+        let last = quality.last;
+        quality.frames = [1.0, 2.0].map(|psnr_db| QualityMetrics { psnr_db, ..last }).into();
+        let told = |report: &Report| [0, 1, 2].map(|k| quality_of_picture(report, k).map(|of| of.psnr_db));
+        assert_eq!(told(&report), [None, Some(1.0), Some(2.0)]);
+        // Only the final image was compared.
+        report.quality.as_mut().unwrap().frames.clear();
+        assert_eq!(told(&report), [None, None, Some(last.psnr_db)]);
+    }
 }

@@ -139,7 +139,7 @@ pub(super) struct ColumnChart<'a> {
     pub(super) size: (f64, f64),
 }
 
-/// Room beside the columns: for the numbers left, the titles above and the numbers below.
+/// Room beside the columns: at least for the numbers left, the titles above and the numbers below.
 const LEFT: f64 = 58.0;
 const ABOVE: f64 = 20.0;
 const BELOW: f64 = 34.0;
@@ -147,15 +147,21 @@ const BELOW: f64 = 34.0;
 const DIGIT: f64 = 6.6;
 
 impl ColumnChart<'_> {
+    /// Room left of the columns, for the number at the top.
+    fn left(&self) -> f64 {
+        LEFT.max(self.top.1.chars().count() as f64 * DIGIT + 8.0)
+    }
+
     /// The chart, with its axes.
     pub(super) fn draw(&self) -> Html {
-        let (width, height) = (self.size.0 - LEFT - 4.0, self.size.1 - ABOVE - BELOW);
+        let left = self.left();
+        let (width, height) = (self.size.0 - left - 4.0, self.size.1 - ABOVE - BELOW);
         let each = width / self.columns.len().max(1) as f64;
         let gap = if each > 5.0 { 1.0 } else { 0.0 };
         let columns = self.columns.iter().enumerate().filter(|(_, (_, n))| *n > 0.0).map(|(i, (label, n))| {
             // A value above zero has a visible column.
             let tall = ((n / self.top.0.max(f64::MIN_POSITIVE)).min(1.0) * height).max(1.0);
-            let at = [LEFT + i as f64 * each, ABOVE + height - tall, each - gap, tall];
+            let at = [left + i as f64 * each, ABOVE + height - tall, each - gap, tall];
             rect(self.class, at, &format!("{label}: {}", number(*n)))
         });
         let shapes: Html = columns.chain([self.frame(width, height), self.column_labels(each, height)]).collect();
@@ -163,13 +169,13 @@ impl ColumnChart<'_> {
     }
 
     fn frame(&self, width: f64, height: f64) -> Html {
-        let base = ABOVE + height;
-        let path = format!("M{} {} V{} H{}", px(LEFT), px(ABOVE), px(base), px(LEFT + width));
+        let (left, base) = (self.left(), ABOVE + height);
+        let path = format!("M{} {} V{} H{}", px(left), px(ABOVE), px(base), px(left + width));
         let titles = [
-            label("end", LEFT - 5.0, ABOVE + 9.0, &self.top.1),
-            label("end", LEFT - 5.0, base, "0"),
+            label("end", left - 5.0, ABOVE + 9.0, &self.top.1),
+            label("end", left - 5.0, base, "0"),
             label("start", 2.0, 11.0, self.axes[1]),
-            label("end", LEFT + width, base + 30.0, self.axes[0]),
+            label("end", left + width, base + 30.0, self.axes[0]),
         ];
         std::iter::once(el("path", &[("class", "axis"), ("d", &path)], [])).chain(titles).collect()
     }
@@ -179,9 +185,10 @@ impl ColumnChart<'_> {
         if let Some(ruler) = self.ruler {
             return self.round_labels(ruler, each, height);
         }
+        let left = self.left();
         let longest = self.columns.iter().map(|(label, _)| label.chars().count()).max().unwrap_or(1);
         let every = ((longest as f64 + 1.5) * DIGIT / each).ceil().max(1.0) as usize;
-        let placed = self.columns.iter().enumerate().map(|(i, (text, _))| (LEFT + (i as f64 + 0.5) * each, text));
+        let placed = self.columns.iter().enumerate().map(|(i, (text, _))| (left + (i as f64 + 0.5) * each, text));
         // A number that would be cut off at the right is left out.
         let shown = placed.step_by(every).filter(|(x, text)| x + text.chars().count() as f64 * DIGIT / 2.0 <= self.size.0);
         numbers_below(shown, height)
@@ -189,13 +196,14 @@ impl ColumnChart<'_> {
 
     /// Round numbers under the columns, as many as there is room for.
     fn round_labels(&self, ruler: Ruler, each: f64, height: f64) -> Html {
+        let left = self.left();
         let last = ruler.first + ruler.per_column * self.columns.len() as f64;
         let room = (thousands(last as u64).chars().count() as f64 + 1.5) * DIGIT;
         let (digit, exponent) = round_step((room / each * ruler.per_column).max(1.0));
         let step = round_number(digit, exponent);
         let ticks = (0..self.columns.len()).map(|k| step * k as f64).skip_while(|value| *value < ruler.first);
-        let placed = ticks.map(|value| (LEFT + each * ((value - ruler.first) / ruler.per_column + ruler.within), value));
-        let end = LEFT + each * self.columns.len() as f64;
+        let placed = ticks.map(|value| (left + each * ((value - ruler.first) / ruler.per_column + ruler.within), value));
+        let end = left + each * self.columns.len() as f64;
         let shown = placed.map(|(x, value)| (x, thousands(value as u64))).take_while(|(x, text)| {
             // A number that would be cut off at the right is left out.
             *x < end && x + text.chars().count() as f64 * DIGIT / 2.0 <= self.size.0

@@ -22,6 +22,6 @@ pub use run::{Cycles, Input, Outcome, OutcomeKind, Report, Size};
 pub(crate) use sensitivity::PERCENT_PER_DB;
 pub use sensitivity::{ComesTo, Measure, MeasureChange, ParameterChange, Sensitivity};
 pub use timing::{
-    ALWAYS_HITS, Bottlenecks, CriticalPath, FULLY_PIPELINED, Fifo, IDEAL_MEMORY, NO_REFRESH, PathPart, PathPolygon, PathPolygons,
+    ALWAYS_HITS, Bottlenecks, CriticalPath, FULLY_PIPELINED, Fifo, IDEAL_MEMORY, NO_DISPLAY, PathPart, PathPolygon, PathPolygons,
     RelaxedCycles, RelaxedSet, UNBOUNDED_FIFO, Unit,
 };

@@ -91,6 +91,9 @@ pub struct Report {
     pub host: Option<Host>,
 }
 
+/// Figure with the frame of each picture.
+const PICTURE_FRAME: &str = "picture_frame";
+
 impl Report {
     /// Returns the tail: cycles after the last frame, in which memory takes the last pixels. In version 0.1 the display read the frame
     /// in them. The tail of an incomplete run is unknown; the result is then 0.
@@ -145,16 +148,42 @@ impl Report {
 
     /// Returns the mean time of a whole frame \[ms\]. `None` without a clock or a whole frame.
     pub fn frame_ms(&self) -> Option<f64> {
-        let cycles = self.cycles.as_ref()?.frames.iter().map(|cycles| *cycles as f64).sum::<f64>();
-        Some(1e3 * cycles / (self.frames() as f64 * self.clock_hz()?)).filter(|ms| ms.is_finite())
+        let cycles = self.cycles_of_frames();
+        let sum = cycles.iter().map(|cycles| *cycles as f64).sum::<f64>();
+        Some(1e3 * sum / (cycles.len() as f64 * self.clock_hz()?)).filter(|ms| ms.is_finite())
     }
 
-    /// Returns the frames over which means are taken. A progressive mode shows several pictures of a frame, so `cycles.frames` may have
-    /// more entries. 0 if no frame was finished.
+    /// Returns the number of finished frames.
     pub fn frames(&self) -> u64 {
-        let pictures = self.pictures();
-        let finished = self.device_number("frames").filter(|frames| *frames >= 1.0).map(|frames| frames as u64);
-        finished.map_or(pictures, |frames| frames.min(pictures))
+        self.cycles_of_frames().len() as u64
+    }
+
+    /// Returns the render cycles of each finished frame: those of its pictures together.
+    pub fn cycles_of_frames(&self) -> Vec<u64> {
+        let Some(cycles) = &self.cycles else { return vec![] };
+        let frames = self.frames_of_pictures();
+        let mut sums = vec![0_u64; frames.iter().max().map_or(0, |last| last + 1)];
+        frames.iter().zip(&cycles.frames).for_each(|(frame, cycles)| sums[*frame] = sums[*frame].saturating_add(*cycles));
+        // A stopped run may have shown pictures of a frame that it did not finish.
+        let finished = self.device_number("frames").filter(|_| self.figures.contains_key(PICTURE_FRAME));
+        sums.truncate(finished.map_or(usize::MAX, |frames| frames as usize));
+        sums
+    }
+
+    /// Returns the frame of each picture, from 0. A machine that shows several pictures of a frame states it.
+    pub(crate) fn frames_of_pictures(&self) -> Vec<usize> {
+        let count = self.pictures() as usize;
+        let mut stated: Vec<usize> = match self.figures.get(PICTURE_FRAME) {
+            Some(Figure::List(frames)) => frames.iter().filter_map(Figure::number).map(|frame| frame as usize).collect(),
+            _ => vec![],
+        };
+        let next = stated.iter().max().map_or(0, |last| last.saturating_add(1));
+        if next == 0 || next > count || stated.len() > count {
+            return (0..count).collect();
+        }
+        // The figure lacks the pictures of a frame that was not finished.
+        stated.resize(count, next);
+        stated
     }
 
     /// Returns the pictures that the machine drew: the entries of `cycles.frames`.
@@ -164,7 +193,7 @@ impl Report {
 
     /// Returns the term for a picture: `frame`, unless a frame has several.
     pub(crate) fn picture_term(&self) -> &'static str {
-        if self.frames() < self.pictures() { "picture" } else { "frame" }
+        if self.frames_of_pictures().is_sorted_by(|a, b| a < b) { "frame" } else { "picture" }
     }
 
     /// Returns the render cycles: all cycles without the [tail](Self::drain). 0 for a functional run.
@@ -255,7 +284,8 @@ pub struct Size {
 pub struct Cycles {
     /// Last cycle with activity, plus 1: memory has taken the last pixel. The display does not count.
     pub total: u64,
-    /// Render cycles of each frame: from the end of the frame before it until its last pixel is written, which is a posted write.
+    /// Render cycles of each frame: from the end of the frame before it until its last pixel is written, which is a posted write. If a
+    /// mode shows several pictures of a frame, of each picture; `figures.picture_frame` has their frames.
     pub frames: Vec<u64>,
     /// Cycles from the end of the last frame to the end of the run, in which memory takes the last pixels. `frames` and `write_tail` sum
     /// to `total`.

@@ -93,7 +93,7 @@ pub struct PathPart {
     pub what: String,
     /// \[cycles\]
     pub cycles: u64,
-    /// The same cycles by frame.
+    /// The same cycles by entry of `cycles.frames`.
     pub frames: Vec<u64>,
 }
 
@@ -104,8 +104,8 @@ pub const UNBOUNDED_FIFO: &str = "unbounded FIFO";
 
 /// Relaxation of a memory: the part `ideal`, as in the presets of ideal machines.
 pub const IDEAL_MEMORY: &str = "ideal memory";
-/// Relaxation of the display: flips take effect at once, and nothing waits for them.
-pub const NO_REFRESH: &str = "no waits for its refresh";
+/// Relaxation of the display: nothing waits for its refresh, and it reads no pictures.
+pub const NO_DISPLAY: &str = "no display";
 /// Relaxation of a cache.
 pub const ALWAYS_HITS: &str = "a hit on every lookup";
 

@@ -2,7 +2,7 @@
 
 use super::table::{Align, Table};
 use crate::model::{
-    Bottlenecks, FULLY_PIPELINED, NO_REFRESH, PathPart, PathPolygon, PathPolygons, RelaxedCycles, RelaxedSet, Report,
+    Bottlenecks, FULLY_PIPELINED, NO_DISPLAY, PathPart, PathPolygon, PathPolygons, RelaxedCycles, RelaxedSet, Report,
     UNBOUNDED_FIFO,
 };
 use crate::number::{decimal, percent, percent_in_words, thousands};
@@ -71,7 +71,7 @@ fn relaxed_it(limit: &RelaxedCycles) -> String {
     match limit.what.as_str() {
         FULLY_PIPELINED => "Fully pipelined (II = 1) it would save".into(),
         UNBOUNDED_FIFO => "An unbounded FIFO would save".into(),
-        NO_REFRESH => "Without waits for its refresh, the run would save".into(),
+        NO_DISPLAY => "Without it, the run would save".into(),
         other => format!("With {other} it would save"),
     }
 }
@@ -82,7 +82,7 @@ fn relaxation_in_words(limit: &RelaxedCycles) -> String {
     match limit.what.as_str() {
         UNBOUNDED_FIFO => format!("An unbounded `{name}` would save"),
         FULLY_PIPELINED => format!("`{name}` fully pipelined (II = 1) would save"),
-        NO_REFRESH => format!("No waits for the refresh of `{name}` would save"),
+        NO_DISPLAY => format!("The run without `{name}` would save"),
         other => format!("`{name}` with {other} would save"),
     }
 }
@@ -175,6 +175,9 @@ pub(crate) fn by_polygon(polygons: &PathPolygons, total: u64) -> String {
         format!("polygon {polygon} of frame {} ({})", frame + 1, percent_in_words(*cycles as f64 / total.max(1) as f64))
     };
     let parts: Vec<String> = polygons.listed.iter().take(PARTS).map(part).collect();
+    if polygons.elsewhere > total / 2 {
+        return format!(" Of it, {} belongs to no polygon.", percent_in_words(polygons.elsewhere as f64 / total as f64));
+    }
     if parts.is_empty() { String::new() } else { format!(" Most of it is for {}.", parts.join(", ")) }
 }
 

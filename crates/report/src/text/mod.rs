@@ -88,7 +88,11 @@ fn frames(report: &Report, cycles: &Cycles) -> Vec<String> {
         let range = if least == most { least } else { format!("{least} to {most}") };
         match report.picture_term() {
             "frame" => format!("{} frames of {range} cycles", report.frames()),
-            term => format!("{} frames, {} {term}s of {range} cycles", report.frames(), report.pictures()),
+            term => {
+                let frames = report.frames();
+                let s = if frames == 1 { "" } else { "s" };
+                format!("{frames} frame{s}, {} {term}s of {range} cycles", report.pictures())
+            }
         }
     });
     std::iter::once(total).chain(frames).collect()

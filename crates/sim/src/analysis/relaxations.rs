@@ -3,7 +3,7 @@
 use basrelief_kernel::{CriticalPath, Netlist, PathSegment, RequestPhase, RunReport, UnitReport};
 use basrelief_machines::MachineSpec;
 use basrelief_parameters::to_json;
-use basrelief_report::model::{ALWAYS_HITS, FULLY_PIPELINED, IDEAL_MEMORY, NO_REFRESH, UNBOUNDED_FIFO};
+use basrelief_report::model::{ALWAYS_HITS, FULLY_PIPELINED, IDEAL_MEMORY, NO_DISPLAY, UNBOUNDED_FIFO};
 use serde_json::{Map, Value};
 
 /// Depth of a FIFO that is practically unbounded \[slots\].
@@ -110,7 +110,7 @@ impl<S: MachineSpec> RelaxationCandidates<'_, S> {
         all.extend(self.caches(&group("cache")));
         all.extend(self.netlist.waits_for_periodic().then(|| {
             let set = [("display.enabled".to_owned(), "false".to_owned())];
-            Relaxation::new(DISPLAY, ResourceKind::Display, NO_REFRESH, set)
+            Relaxation::new(DISPLAY, ResourceKind::Display, NO_DISPLAY, set)
         }));
         all
     }

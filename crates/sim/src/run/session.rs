@@ -315,6 +315,7 @@ impl<'a> ActiveRun<'a> {
         let mut untimed = self.untimed_result(&info);
         let of_scene = matches!(self.exact, ExactSource::Scene(_));
         untimed.warnings.extend(self.checks.warnings(&facts, spec.exact_style(), of_scene));
+        untimed.warnings.extend(self.no_bottlenecks(spec).map(str::to_owned));
         let complete = run.as_ref().filter(|run| run.outcome == Outcome::Complete);
         let mut recording_is_complete = false;
         if complete.is_some() && records {
@@ -333,6 +334,14 @@ impl<'a> ActiveRun<'a> {
             expectations: info.expectations,
             simulate_s: self.simulate_s,
         }
+    }
+
+    /// Warns if the user asked for bottlenecks of a run whose work depends on time.
+    fn no_bottlenecks(&self, spec: &impl SimulatedMachine) -> Option<&'static str> {
+        (self.options.bottlenecks == AnalysisPolicy::Always && spec.acts_at_times()).then_some(
+            "bottlenecks are not analysed, because the time at which a view is left decides what the machine does; state numbers of tiles \
+             instead (defer.left_at_tile)",
+        )
     }
 
     fn untimed_result(&mut self, info: &InputInfo<'_>) -> UntimedResult {

@@ -2,7 +2,7 @@
 
 use crate::common::demo_scene;
 use basrelief_report::Report;
-use basrelief_report::model::{Bottlenecks, IDEAL_MEMORY, NO_REFRESH, RelaxedSet};
+use basrelief_report::model::{Bottlenecks, IDEAL_MEMORY, NO_DISPLAY, RelaxedSet};
 use basrelief_scene::ViewOptions;
 use basrelief_sim::{AnalysisPolicy, MACHINES, MachineInfo, NoObserver, Overrides, RunInput, RunOptions, run};
 use serde_json::Value;
@@ -73,7 +73,7 @@ fn display_that_frames_wait_for_is_the_bottleneck() {
         let whole = run(&[set.into()], AnalysisPolicy::Always);
         let of = bottlenecks(&whole);
         let (best, last) = (of.single.first().unwrap(), of.ladder.last().unwrap());
-        assert_eq!((best.resource.as_str(), best.what.as_str()), ("display", NO_REFRESH), "{set}");
+        assert_eq!((best.resource.as_str(), best.what.as_str()), ("display", NO_DISPLAY), "{set}");
         assert!(2 * best.saved > whole.frame_cycles(), "{set}: {best:?}");
         assert!(of.ladder[0].relaxed.contains(&"display".into()), "{set}: {:?}", of.ladder);
         for (set_of, cycles) in [(&best.set, best.cycles), (&last.set, last.cycles)] {

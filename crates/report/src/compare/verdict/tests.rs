@@ -1,5 +1,5 @@
 use crate::compare::{Comparison, compare};
-use crate::model::{OutcomeKind, PictureQuality, Report};
+use crate::model::{Figure, OutcomeKind, PictureQuality, Report};
 use crate::samples;
 use basrelief_reference::QualityMetrics;
 
@@ -30,6 +30,19 @@ fn unjudged(change: impl FnOnce(&mut Report)) -> Vec<String> {
     assert!(!comparison.failures(f64::MAX).is_empty(), "no limit lets them pass");
     assert!(!comparison.to_text(crate::TextStyle::default()).contains("No regression"));
     comparison.verdict.unjudged.into_iter().map(|u| format!("{}: {}", u.figure, u.reason)).collect()
+}
+
+#[test]
+fn pictures_of_a_frame_are_judged_together() {
+    // Three pictures of two frames in A, one of each in B.
+    let mut a = samples::balanced();
+    a.cycles.as_mut().unwrap().frames = vec![300_000, 200_000, 500_000];
+    a.figures.insert("picture_frame".into(), Figure::List(vec![0.into(), 0.into(), 1.into()]));
+    let mut b = a.clone();
+    b.cycles.as_mut().unwrap().frames = vec![510_000, 490_000];
+    b.figures.insert("picture_frame".into(), Figure::List(vec![0.into(), 1.into()]));
+    let verdict = compare(&a, &b, None).verdict;
+    assert_eq!((verdict.unjudged, verdict.worst.percent, verdict.worst.what), (vec![], 2.0, "cycles of frame 1".into()));
 }
 
 #[test]
