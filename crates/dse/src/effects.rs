@@ -127,10 +127,11 @@ impl NumberedValues {
     }
 }
 
-/// Returns true if the points are a whole grid, so that an effect comes from its axis only.
+/// Returns true if the points that have run are a whole grid, so that an effect comes from its axis only.
 pub(crate) fn is_whole_grid(table: &Table) -> bool {
     let count = |tied: Vec<usize>| NumberedValues::of(table, tied[0]).count;
-    tied_axes(table).into_iter().map(count).try_fold(1, usize::checked_mul) == Some(table.rows.len())
+    let points = table.rows.iter().filter(|row| row.state == PointState::Ok).count();
+    tied_axes(table).into_iter().map(count).try_fold(1, usize::checked_mul) == Some(points)
 }
 
 /// Returns true if each point differs from the first point in at most one axis.
@@ -204,6 +205,9 @@ mod tests {
         let told: Vec<_> = effects(&table).into_iter().take(2).map(|e| (e.axis, e.tied, e.levels.len())).collect();
         assert_eq!(told, [(2, vec![], 3), (3, vec![4], 4)]);
         assert!(is_whole_grid(&table));
+        table.rows[0].state = PointState::Pending;
+        assert!(!is_whole_grid(&table));
+        table.rows[0].state = PointState::Ok;
         table.rows.remove(5);
         assert!(!is_whole_grid(&table));
         assert_eq!(effects(&table)[1].tied, [4]);

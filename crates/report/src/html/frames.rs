@@ -36,9 +36,9 @@ fn chart(Cycles { frames, .. }: &Cycles, term: &str) -> Html {
     ColumnChart { title: &title, axes, class: "amount", columns, ruler, top, size: (640.0, 180.0) }.draw()
 }
 
-/// Returns the quality of a picture. Of several pictures of a frame, only the last one was compared.
-fn quality_of_picture(report: &Report, picture: usize) -> Option<&QualityMetrics> {
-    let (quality, frames) = (report.quality.as_ref()?, report.frames_of_pictures());
+/// Returns the quality of a picture. Of several pictures of a frame, only the last one was compared. `frames`: frame of each picture.
+fn quality_of_picture<'a>(report: &'a Report, frames: &[usize], picture: usize) -> Option<&'a QualityMetrics> {
+    let quality = report.quality.as_ref()?;
     let (frame, next) = (frames.get(picture)?, frames.get(picture + 1));
     let last = quality.frames.is_empty() && next.is_none();
     quality.frames.get(*frame).or(last.then_some(&quality.last)).filter(|_| next != Some(frame))
@@ -47,9 +47,9 @@ fn quality_of_picture(report: &Report, picture: usize) -> Option<&QualityMetrics
 fn table(report: &Report, cycles: &Cycles) -> Table {
     let titles = [report.picture_term(), "cycles", "ms", "PSNR dB", "SSIM", "FLIP"];
     let mut table = Table::new(&titles.map(|title| (title, Right, 0)));
-    let hz = report.clock_hz();
+    let (hz, frames) = (report.clock_hz(), report.frames_of_pictures());
     for (k, &n) in cycles.frames.iter().take(ROWS).enumerate() {
-        let quality = quality_of_picture(report, k);
+        let quality = quality_of_picture(report, &frames, k);
         let [psnr, ssim, flip] = quality
             .map_or_else(Default::default, |q| [format!("{:.2}", q.psnr_db), format!("{:.4}", q.ssim), format!("{:.4}", q.flip)]);
         let ms = hz.map_or(String::new(), |hz| decimal(1e3 * n as f64 / hz, 3));
@@ -79,7 +79,8 @@ mod tests {
         let quality = report.quality.as_mut().unwrap();
         let last = quality.last;
         quality.frames = [1.0, 2.0].map(|psnr_db| QualityMetrics { psnr_db, ..last }).into();
-        let told = |report: &Report| [0, 1, 2].map(|k| quality_of_picture(report, k).map(|of| of.psnr_db));
+        let told =
+            |report: &Report| [0, 1, 2].map(|k| quality_of_picture(report, &report.frames_of_pictures(), k).map(|of| of.psnr_db));
         assert_eq!(told(&report), [None, Some(1.0), Some(2.0)]);
         // Only the final image was compared.
         report.quality.as_mut().unwrap().frames.clear();
