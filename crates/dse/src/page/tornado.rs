@@ -19,7 +19,7 @@ pub(super) fn tornado(sweep: &SweepView<'_>) -> Html {
                  bar means a stronger effect.";
     let noise =
         if is_whole_grid(sweep.table) { "" } else { " The points are no whole grid, so other axes can add to an effect." };
-    [el_text("p", "quiet", &format!("{about}{noise}")), tables].into_iter().collect()
+    [el_text("p", "quiet", format!("{about}{noise}")), tables].into_iter().collect()
 }
 
 fn table(sweep: &SweepView<'_>, effects: &[Effect]) -> Html {
