@@ -34,10 +34,12 @@ impl fmt::Display for DentedPolygons {
 
 /// Returns true if a polygon is visibly not convex in the window. Depth and 1 / w do not matter.
 pub(crate) fn is_dented(position: &[[f32; 4]]) -> bool {
-    let points: Vec<[f64; 2]> = position.iter().map(|&[x, y, ..]| [f64::from(x), f64::from(y)]).collect();
     // All triangles are convex.
-    let (Some(&first), 4..) = (points.first(), points.len()) else { return false };
-    let fan = || points.windows(2).map(|edge| [first, edge[0], edge[1]]);
+    if position.len() < 4 {
+        return false;
+    }
+    let points: Vec<[f64; 2]> = position.iter().map(|&[x, y, ..]| [f64::from(x), f64::from(y)]).collect();
+    let fan = || points.windows(2).map(|edge| [points[0], edge[0], edge[1]]);
     let area: f64 = fan().map(twice_area).sum();
     let next = |steps: usize| points.iter().copied().cycle().skip(steps);
     let corners = next(0).zip(next(1)).zip(next(2)).take(points.len()).map(|((a, b), c)| [a, b, c]);
