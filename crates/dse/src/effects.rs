@@ -13,7 +13,6 @@
 use crate::levels::ColumnLevels;
 use crate::rules::ObjectiveDirection;
 use crate::table::{PointState, Row, Table};
-use std::collections::BTreeMap;
 
 /// Effect of an axis on an objective.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,10 +91,12 @@ pub fn effects(table: &Table) -> Vec<Effect> {
 /// Groups the axes that change together: the value of one gives the value of the other, in both directions. Axes with one value are
 /// groups of their own.
 fn tied_axes(table: &Table) -> Vec<Vec<usize>> {
-    let mut groups: Vec<(NumberedValues, Vec<usize>)> = vec![];
+    let mut groups: Vec<(Vec<usize>, Vec<usize>)> = vec![];
     for axis in table.axes() {
-        let values = NumberedValues::of(table, axis);
-        match groups.iter_mut().find(|(first, _)| first.is_tied_to(&values)) {
+        // Values that change together appear together for the first time, so they have the same number.
+        let values = table.value_numbers(axis);
+        let has_several = values.iter().any(|value| *value > 0);
+        match groups.iter_mut().find(|(first, _)| has_several && *first == values) {
             Some((_, group)) => group.push(axis),
             None => groups.push((values, vec![axis])),
         }
@@ -103,33 +104,9 @@ fn tied_axes(table: &Table) -> Vec<Vec<usize>> {
     groups.into_iter().map(|(_, group)| group).collect()
 }
 
-/// The values of an axis, as numbers in the order of their appearance.
-struct NumberedValues {
-    by_row: Vec<usize>,
-    count: usize,
-}
-
-impl NumberedValues {
-    fn of(table: &Table, axis: usize) -> Self {
-        let mut numbers = BTreeMap::new();
-        let mut number = |value: String| {
-            let next = numbers.len();
-            *numbers.entry(value).or_insert(next)
-        };
-        let by_row = table.rows.iter().map(|row| number(row.cells[axis].to_string())).collect();
-        Self { by_row, count: numbers.len() }
-    }
-
-    /// True if both axes have several values and change together. Values that change together appear together for the first time, so
-    /// they have the same number.
-    fn is_tied_to(&self, other: &Self) -> bool {
-        self.count > 1 && self.by_row == other.by_row
-    }
-}
-
 /// Returns true if the points that have run are a whole grid, so that an effect comes from its axis only.
 pub(crate) fn is_whole_grid(table: &Table) -> bool {
-    let count = |tied: Vec<usize>| NumberedValues::of(table, tied[0]).count;
+    let count = |tied: Vec<usize>| table.value_numbers(tied[0]).into_iter().max().map_or(0, |last| last + 1);
     let points = table.rows.iter().filter(|row| row.state == PointState::Ok).count();
     tied_axes(table).into_iter().map(count).try_fold(1, usize::checked_mul) == Some(points)
 }

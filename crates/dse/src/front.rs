@@ -85,16 +85,7 @@ pub(crate) fn input_column(table: &Table) -> Option<usize> {
 
 /// Returns the number of each row's input, in order of the rows; 0 if there is only one.
 pub(crate) fn input_numbers(table: &Table) -> Vec<usize> {
-    let Some(column) = input_column(table) else { return vec![0; table.rows.len()] };
-    let mut seen: Vec<&Cell> = vec![];
-    let number = |row: usize| {
-        let cell = table.rows[row].cells.get(column).unwrap_or(&Cell::Missing);
-        seen.iter().position(|known| *known == cell).unwrap_or_else(|| {
-            seen.push(cell);
-            seen.len() - 1
-        })
-    };
-    (0..table.rows.len()).map(number).collect()
+    input_column(table).map_or_else(|| vec![0; table.rows.len()], |column| table.value_numbers(column))
 }
 
 fn points_by(table: &Table, objectives: &[(usize, ObjectiveDirection)]) -> Vec<FrontPoint> {

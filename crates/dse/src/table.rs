@@ -1,6 +1,7 @@
 //! A table of points: one row for each, one column for each axis, objective and figure.
 
 use crate::rules::{Constraint, ObjectiveDirection};
+use std::collections::BTreeMap;
 use std::fmt;
 
 /// Columns ahead of those of the table.
@@ -119,6 +120,16 @@ impl Table {
     /// Columns that the plan chose values for, by number.
     pub fn axes(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.columns.len()).filter(|&at| self.columns[at].role == ColumnRole::Axis)
+    }
+
+    /// Numbers the values of a column in the order of their appearance. Returns the number of each row's value.
+    pub(crate) fn value_numbers(&self, column: usize) -> Vec<usize> {
+        let mut numbers = BTreeMap::new();
+        let mut number = |row: &Row| {
+            let next = numbers.len();
+            *numbers.entry(row.cells.get(column).map(Cell::to_string).unwrap_or_default()).or_insert(next)
+        };
+        self.rows.iter().map(&mut number).collect()
     }
 
     /// Objectives, with the number of their column.
