@@ -1,8 +1,8 @@
 //! Bottleneck analysis: each candidate is relaxed in turn, then groups of them, and the recorded steps are resimulated.
 
 use super::analysis_task::{AnalysisTask, PathsAhead};
-use super::ladder::{Ladder, LadderSearch, all_settings};
-use super::relaxations::{DISPLAY, Relaxation, RelaxationCandidates, Settings, busiest_unit, joined_settings, with_equals};
+use super::ladder::{Ladder, LadderSearch, settings};
+use super::relaxations::{DISPLAY, Relaxation, RelaxationCandidates, Settings, busiest_unit, with_equals};
 use super::resimulations::Resimulations;
 use crate::options::{Overrides, OverridesLoader};
 use basrelief_kernel::recording::RecordingChunk;
@@ -148,7 +148,7 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
         let all = resources.all();
         let busiest = busiest_unit(&all, self.run.marked_cycles()).filter(|_| is_parallel);
         let early = busiest.map(|unit| self.early_task(unit, &all));
-        let first = [AnalysisTask::Path].into_iter().chain(early).chain([AnalysisTask::Cycles(all_settings(&all))]);
+        let first = [AnalysisTask::Path].into_iter().chain(early).chain([AnalysisTask::Cycles(settings(&all))]);
         let (progress, climbed) = (Mutex::<AnalysisProgress>::default(), AtomicUsize::new(0));
         threads::run_tasks(first, |task, tasks| match task {
             AnalysisTask::Path => {
@@ -184,10 +184,7 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
     /// it. Otherwise it is at least a candidate, as a rule.
     fn early_task(&self, busiest: &Relaxation, all: &[Relaxation]) -> AnalysisTask {
         match busiest.is_saturated(self.run.marked_cycles()) {
-            true => {
-                let units = with_equals(busiest, all.iter()).into_iter().map(|unit| &unit.set);
-                AnalysisTask::LikelyPath(joined_settings(units), 0)
-            }
+            true => AnalysisTask::LikelyPath(settings(with_equals(busiest, all.iter())), 0),
             false => AnalysisTask::Resimulate(busiest.clone()),
         }
     }

@@ -83,14 +83,14 @@ impl LadderSearch<'_> {
         let all = self.everything();
         let enough = all.map(|cycles| cycles + first.cycles.saturating_sub(cycles) / LITTLE);
         while rungs.len() < RUNGS && enough.is_none_or(|enough| path.cycles > enough) {
-            let relaxed = rungs.last().map_or(vec![], |rung| rung.relaxed.clone());
+            let relaxed = last_relaxed(&rungs);
             self.ahead.begin_rung(rungs.len());
             let Some((relaxed, next)) = self.next(&path, &relaxed) else { break };
             rungs.push(Rung { relaxed, cycles: next.cycles, relaxes_all: false });
             path = next;
         }
         if let Some(cycles) = all.filter(|_| !rungs.is_empty()) {
-            let relaxed = rungs.last().map_or(vec![], |rung| rung.relaxed.clone());
+            let relaxed = last_relaxed(&rungs);
             let rest = self.not_in(&relaxed).collect();
             rungs.push(Rung { relaxed: [relaxed, rest].concat(), cycles, relaxes_all: true });
         }
@@ -102,7 +102,7 @@ impl LadderSearch<'_> {
 
     /// Returns the cycles with everything relaxed.
     fn everything(&self) -> Option<u64> {
-        self.resimulations.cycles(&all_settings(self.relaxations))
+        self.resimulations.cycles(&settings(self.relaxations))
     }
 
     /// Relaxes the resource with most of the path and its equals. If that saves little, it tries all FIFOs whose slots the path waits for
@@ -111,7 +111,7 @@ impl LadderSearch<'_> {
     /// No run is shorter than the busy cycles of a unit that is not relaxed. So FIFOs are not tried if they could save little more.
     fn next<'a>(&'a self, path: &CriticalPath, relaxed: &[&'a Relaxation]) -> Option<(Vec<&'a Relaxation>, CriticalPath)> {
         let together = |more: Vec<&'a Relaxation>| (!more.is_empty()).then(|| [relaxed, &more].concat());
-        let tried = |all: Vec<&'a Relaxation>| self.resimulations.path(&settings(&all)).map(|path| (all, path));
+        let tried = |all: Vec<&'a Relaxation>| self.resimulations.path(&settings(all.iter().copied())).map(|path| (all, path));
         let largest = together(self.largest(path, relaxed));
         let busiest = busiest_unit(self.not_in(relaxed), path.cycles);
         if let Some(largest) = &largest {
@@ -153,7 +153,7 @@ impl LadderSearch<'_> {
     fn guess_next(&self, path: &CriticalPath, relaxed: &[&Relaxation]) {
         let busiest = busiest_unit(self.not_in(relaxed), path.cycles);
         if let Some(busiest) = busiest.filter(|new| new.is_saturated(path.cycles)) {
-            self.ahead.guess(settings(&[relaxed, &with_equals(busiest, self.not_in(relaxed))].concat()));
+            self.ahead.guess(settings(relaxed.iter().copied().chain(with_equals(busiest, self.not_in(relaxed)))));
         }
     }
 
@@ -162,7 +162,7 @@ impl LadderSearch<'_> {
         let mut needed = Rung { relaxed: rung.relaxed.clone(), ..*rung };
         for resource in &rung.relaxed {
             let rest: Vec<&Relaxation> = needed.relaxed.iter().copied().filter(|of| !std::ptr::eq(*of, *resource)).collect();
-            let cycles = if rest.is_empty() { Some(total) } else { self.resimulations.cycles(&settings(&rest)) };
+            let cycles = if rest.is_empty() { Some(total) } else { self.resimulations.cycles(&settings(rest.iter().copied())) };
             if let Some(cycles) = cycles.filter(|cycles| *cycles <= rung.cycles + total / PART) {
                 needed = Rung { relaxed: rest, cycles, relaxes_all: false };
             }
@@ -171,19 +171,20 @@ impl LadderSearch<'_> {
     }
 }
 
-fn settings(relaxed: &[&Relaxation]) -> Settings {
-    joined_settings(relaxed.iter().map(|of| &of.set))
+/// Returns what the last rung relaxes; nothing before the first.
+fn last_relaxed<'a>(rungs: &[Rung<'a>]) -> Vec<&'a Relaxation> {
+    rungs.last().map_or(vec![], |rung| rung.relaxed.clone())
 }
 
 /// Returns the settings that relax all of these.
-pub(crate) fn all_settings(relaxations: &[Relaxation]) -> Settings {
-    joined_settings(relaxations.iter().map(|of| &of.set))
+pub(crate) fn settings<'a>(relaxed: impl IntoIterator<Item = &'a Relaxation>) -> Settings {
+    joined_settings(relaxed.into_iter().map(|of| &of.set))
 }
 
 fn relaxed_set(rung: &Rung<'_>, total: u64) -> RelaxedSet {
     RelaxedSet {
         relaxed: rung.relaxed.iter().map(|of| of.id()).collect(),
-        set: settings(&rung.relaxed).into_iter().map(|(key, value)| format!("{key}={value}")).collect(),
+        set: settings(rung.relaxed.iter().copied()).into_iter().map(|(key, value)| format!("{key}={value}")).collect(),
         cycles: rung.cycles,
         saved: basrelief_report::number::round6(1.0 - rung.cycles as f64 / total.max(1) as f64),
         relaxes_all: rung.relaxes_all,

@@ -146,13 +146,13 @@ impl RunCharts {
             for (finished, name) in watcher.finish(timing).into_iter().zip(names) {
                 finished.map_err(|error| self.write_error(&name, &error))?;
             }
-            run.report.warnings.extend(self.is_late(timing.total));
+            run.report.warnings.extend(self.late_start(timing.total));
         }
         Ok(run)
     }
 
     /// Warns if a run of `total` cycles ends before the first cycle.
-    fn is_late(&self, total: u64) -> Option<String> {
+    fn late_start(&self, total: u64) -> Option<String> {
         let from = self.layout.from;
         (from >= total).then(|| {
             let [from, total] = [from, total].map(thousands);
