@@ -236,7 +236,7 @@ def check_window(run, simulator, folder, whole):
 
 def traced(run, simulator, folder):
     trace, out = folder / "t.pftrace", folder / "out"
-    subprocess.run([simulator, *run.split(), "--timeline", trace, "--out", out, "--costs", "--no-exact", "--no-limits", "--quiet"], check=True)
+    subprocess.run([simulator, *run.split(), "--timeline", trace, "--out", out, "--costs", "--no-exact", "--no-bottlenecks", "--quiet"], check=True)
     return Shown(Trace(trace), json.loads((out / "report.json").read_text()))
 
 
