@@ -1,11 +1,11 @@
 //! The memory ports of a unit: a step issues requests here and receives nothing back.
 
 use crate::request::Request;
-use crate::step_requests::{StepRequests, StepRequestsView, UnitRequests, request_error};
+use crate::step_requests::{StepRequests, StepRequestsView, UnitRequests};
 use crate::{MAX_CLIENTS, MemoryClients};
 
-/// Requests and look-ups of one step, in order of issue. They arrive at the step's start, or at the issue rate of their port (laws 4
-/// and 5).
+/// Requests and look-ups of a step, in order of issue. They arrive at the step's start, or at the issue rate of their port (laws 4
+/// and 5). The kernel may keep those of earlier steps in front of them.
 #[derive(Clone, Debug, Default)]
 pub struct MemoryPorts {
     pub(crate) discards: bool,
@@ -59,11 +59,25 @@ impl MemoryPorts {
         }
     }
 
-    /// Adds requests recorded earlier.
+    /// Returns ports with room for as many requests and with the same fault.
+    pub(crate) fn emptied(&self) -> Self {
+        let [requests, look_ups] = self.lengths().map(Vec::with_capacity);
+        Self { requests, look_ups, fault: self.fault.clone(), ..Self::default() }
+    }
+
+    /// Number of requests, and of look-ups.
     #[inline(always)]
-    pub(crate) fn add_recorded(&mut self, requests: &[Request], look_ups: &[Request]) {
-        self.requests.extend_from_slice(requests);
-        self.look_ups.extend_from_slice(look_ups);
+    pub(crate) fn lengths(&self) -> [usize; 2] {
+        [self.requests.len(), self.look_ups.len()]
+    }
+
+    /// Returns a step's requests and look-ups from these places on, so many of each.
+    #[inline(always)]
+    pub(crate) fn step_at(&self, [requests, look_ups]: [usize; 2], counts: [u32; 2]) -> UnitRequests<'_> {
+        UnitRequests {
+            requests: &self.requests[requests..][..counts[0] as usize],
+            look_ups: &self.look_ups[look_ups..][..counts[1] as usize],
+        }
     }
 
     /// Ends the run with this message because the unit cannot continue. Use it for errors that only the data can show, such as a
@@ -109,12 +123,24 @@ impl MemoryPorts {
         clients: &mut MemoryClients<'_>,
         largest: &[u32; MAX_CLIENTS],
     ) -> Option<StepRequestsView<'_>> {
-        let asks = UnitRequests { requests: &self.requests, look_ups: &self.look_ups };
-        if !self.asked.settle(asks, clients, largest) {
-            let text = request_error(asks, clients, largest);
-            self.fault(text);
-            return None;
-        }
-        Some(self.asked.all())
+        let Self { requests, look_ups, asked, fault, .. } = self;
+        asked.settle_now(UnitRequests { requests, look_ups }, clients, largest, fault)
+    }
+
+    /// As `settle`, for a step whose requests are elsewhere.
+    #[inline(always)]
+    pub(crate) fn settle_stored<'a>(
+        &'a mut self,
+        asks: UnitRequests<'a>,
+        clients: &mut MemoryClients<'_>,
+        largest: &[u32; MAX_CLIENTS],
+    ) -> Option<StepRequestsView<'a>> {
+        self.asked.settle_now(asks, clients, largest, &mut self.fault)
+    }
+
+    /// Forgets the result of `settle_stored`.
+    #[inline(always)]
+    pub(crate) fn forget_stored(&mut self) {
+        self.asked.clear();
     }
 }

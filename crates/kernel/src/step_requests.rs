@@ -142,8 +142,30 @@ impl StepRequests {
 
     /// Appends a step and looks up its tags. Returns false if the requests exceed the unit's declaration or the wiring.
     /// `largest`: needs of the largest step, by client.
+    pub(crate) fn settle(&mut self, asks: UnitRequests<'_>, caches: &mut impl TagLookup, largest: &[u32; MAX_CLIENTS]) -> bool {
+        self.requests.extend_from_slice(asks.requests);
+        self.settle_look_ups(asks, caches, largest)
+    }
+
+    /// Looks up the tags of a step whose direct requests are not appended. Returns its requests, or `None` and a fault.
+    #[inline(always)]
+    pub(crate) fn settle_now<'a>(
+        &'a mut self,
+        asks: UnitRequests<'a>,
+        caches: &mut impl TagLookup,
+        largest: &[u32; MAX_CLIENTS],
+        fault: &mut Option<String>,
+    ) -> Option<StepRequestsView<'a>> {
+        if !self.settle_look_ups(asks, caches, largest) {
+            fault.get_or_insert_with(|| request_error(asks, caches, largest));
+            return None;
+        }
+        Some(StepRequestsView { asked: self, look_ups: &self.look_ups, requests: asks.requests })
+    }
+
+    /// Appends the look-ups of a step. Returns false if its requests exceed the unit's declaration or the wiring.
     #[inline]
-    pub(crate) fn settle(
+    fn settle_look_ups(
         &mut self,
         UnitRequests { requests, look_ups }: UnitRequests<'_>,
         caches: &mut impl TagLookup,
@@ -154,7 +176,6 @@ impl StepRequests {
         if !look_ups.is_empty() && !self.look_up(look_ups, caches, &mut left) {
             return false;
         }
-        self.requests.extend_from_slice(requests);
         requests.iter().all(|r| {
             let own = r.client as usize;
             let enough = own < caches.clients() && left[own] > 0;
@@ -231,12 +252,6 @@ impl StepRequests {
         let is_allowed = lines <= *most;
         *most = most.saturating_sub(lines);
         is_allowed
-    }
-
-    /// Returns all requests as one step.
-    #[inline]
-    pub(crate) fn all(&self) -> StepRequestsView<'_> {
-        StepRequestsView { asked: self, look_ups: &self.look_ups, requests: &self.requests }
     }
 
     /// Returns the step at a cursor, and moves the cursor behind it.

@@ -1,7 +1,7 @@
 //! Step batches: steps on their way from the half of a run that executes them to the half that computes their times.
 
 use crate::time::{FinalUnitState, StepTiming};
-use crate::{Demand, MemoryPorts, Request};
+use crate::{Demand, MemoryPorts};
 
 /// An executed step and its numbers of requests.
 #[derive(Clone, Copy, Debug)]
@@ -16,40 +16,32 @@ pub(super) struct BatchedStep {
 #[derive(Clone, Debug, Default)]
 pub(super) struct StageSteps {
     pub(super) steps: Vec<BatchedStep>,
-    /// Their requests in order: for each step requests, then look-ups.
-    pub(super) asked: Vec<Request>,
-    /// The fault of the last step, if it has one.
-    pub(super) fault: Option<String>,
+    /// Their requests and look-ups in order, and the fault of the last step, if it has one.
+    pub(super) ports: MemoryPorts,
 }
 
 impl StageSteps {
-    /// Appends a step with its requests and its fault.
+    /// Executes a step and appends it. `step` issues its requests to the ports.
     #[inline(always)]
-    pub(super) fn push(&mut self, demand: Demand, made: StepTiming, traffic: &mut MemoryPorts) {
-        let (requests, look_ups) = (traffic.requests(), traffic.look_ups());
-        self.steps.push(BatchedStep { demand, made, requests: requests.len() as u32, look_ups: look_ups.len() as u32 });
-        if !traffic.is_empty() {
-            self.asked.extend_from_slice(requests);
-            self.asked.extend_from_slice(look_ups);
-            traffic.clear();
-        }
-        if traffic.fault.is_some() {
-            self.fault = traffic.fault.take();
-        }
+    pub(super) fn make(&mut self, demand: Demand, step: impl FnOnce(&mut MemoryPorts) -> StepTiming) {
+        let [requests, look_ups] = self.ports.lengths();
+        let made = step(&mut self.ports);
+        let after = self.ports.lengths();
+        let (requests, look_ups) = ((after[0] - requests) as u32, (after[1] - look_ups) as u32);
+        self.steps.push(BatchedStep { demand, made, requests, look_ups });
     }
 
     /// Takes the steps since the last call. A fault stays known.
     pub(super) fn take(&mut self) -> Self {
-        let room = (Vec::with_capacity(self.steps.len()), Vec::with_capacity(self.asked.len()));
-        let steps = std::mem::replace(&mut self.steps, room.0);
-        let asked = std::mem::replace(&mut self.asked, room.1);
-        Self { steps, asked, fault: self.fault.clone() }
+        let steps = Vec::with_capacity(self.steps.len());
+        let ports = self.ports.emptied();
+        Self { steps: std::mem::replace(&mut self.steps, steps), ports: std::mem::replace(&mut self.ports, ports) }
     }
 
     /// Returns true if the stage cannot continue.
     #[inline(always)]
     pub(super) fn is_fault(&self) -> bool {
-        self.fault.is_some()
+        self.ports.fault.is_some()
     }
 }
 

@@ -10,6 +10,7 @@ use crate::wires::{Inputs, Outputs};
 use crate::{Connections, Demand, MemoryPorts, Unit};
 
 struct FunctionalWalk {
+    /// Ports without memories, if no times are computed.
     traffic: MemoryPorts,
     stage: usize,
     /// Number of steps, and of those passed on.
@@ -28,8 +29,8 @@ struct FunctionalWalk {
 const PARTS: usize = 4;
 
 impl FunctionalWalk {
-    fn new(traffic: MemoryPorts, made: Option<Vec<StageSteps>>, batch_steps: usize) -> Self {
-        Self { traffic, stage: 0, steps: 0, handed_on: 0, fault: None, made, batch_steps }
+    fn new(made: Option<Vec<StageSteps>>, batch_steps: usize) -> Self {
+        Self { traffic: MemoryPorts::discarding(), stage: 0, steps: 0, handed_on: 0, fault: None, made, batch_steps }
     }
 
     /// Returns the steps since the last batch.
@@ -68,15 +69,18 @@ impl Visitor for FunctionalWalk {
         while count < most
             && let Some(demand) = next(&stage.unit, connections)
         {
-            let made = UnitSteps::new(&mut *stage, &mut *connections).step(demand, traffic);
             count += 1;
-            let is_fault = traffic.fault.is_some();
-            match &mut own {
-                Some(own) => own.push(demand, made, traffic),
-                None if is_fault => *fault = fault_of(traffic, stage.name(), None),
-                None => {}
+            let mut unit = UnitSteps::new(&mut *stage, &mut *connections);
+            if let Some(own) = &mut own {
+                own.make(demand, |ports| unit.step(demand, ports));
+                if own.is_fault() {
+                    break;
+                }
+                continue;
             }
-            if is_fault {
+            unit.step(demand, traffic);
+            if traffic.fault.is_some() {
+                *fault = fault_of(traffic, stage.name(), None);
                 break;
             }
         }
@@ -85,7 +89,7 @@ impl Visitor for FunctionalWalk {
 }
 
 pub(super) fn run<M: Machine>(machine: &mut M, progress: &mut dyn FnMut(&mut M) -> bool) -> Result<(), String> {
-    let mut walk = FunctionalWalk::new(MemoryPorts::discarding(), None, usize::MAX);
+    let mut walk = FunctionalWalk::new(None, usize::MAX);
     let stopped = walk_on(machine, &mut walk, progress, &mut |_, _| ());
     match walk.fault {
         Some(fault) => Err(fault),
@@ -102,7 +106,7 @@ pub(super) fn run_to<M: Machine>(
     nothing: Vec<StageSteps>,
     hand_on: &mut dyn FnMut(StepBatch),
 ) {
-    let mut walk = FunctionalWalk::new(MemoryPorts::default(), Some(nothing), steps);
+    let mut walk = FunctionalWalk::new(Some(nothing), steps);
     let stopped = walk_on(machine, &mut walk, progress, &mut |walk, machine| {
         if walk.steps - walk.handed_on >= walk.batch_steps {
             hand_on(walk.next_batch(machine, false));

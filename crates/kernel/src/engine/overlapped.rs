@@ -13,7 +13,8 @@ use crate::netlist::Netlist;
 use crate::probe::NoProbe;
 use crate::recording::{RecordingChunk, RecordingWriter};
 use crate::report::RunReport;
-use crate::time::{FinalUnitState, InputMask, MachineTiming, StepTiming, StopReason};
+use crate::step_requests::{StepRequestsView, UnitRequests};
+use crate::time::{FinalUnitState, InputMask, MachineTiming, StageVisit, StepTiming, StopReason};
 use crate::{Demand, MemoryPorts};
 use std::collections::VecDeque;
 
@@ -100,9 +101,11 @@ struct BatchedSteps {
     /// The batch in use, and batches behind it. (Appending one to the other took 1.6 % of the instructions of `brick`.)
     waiting: StageSteps,
     behind: VecDeque<StageSteps>,
-    /// Number of steps of the batch that were taken, and of their requests.
+    /// Number of steps of the batch that were taken, and of the requests and look-ups before the last of them.
     next: usize,
-    asked: usize,
+    asked: [usize; 2],
+    /// Number of requests and look-ups of the last of them.
+    asks: [u32; 2],
     /// State of the unit after these steps.
     rest: FinalUnitState,
     inputs: usize,
@@ -114,7 +117,8 @@ impl BatchedSteps {
             waiting: StageSteps::default(),
             behind: VecDeque::new(),
             next: 0,
-            asked: 0,
+            asked: [0; 2],
+            asks: [0; 2],
             rest: FinalUnitState { demand: Demand::Finished, empty: true },
             inputs,
         }
@@ -134,13 +138,19 @@ impl BatchedSteps {
     #[cold]
     fn use_next_batch(&mut self) {
         if let Some(steps) = self.behind.pop_front() {
-            (self.waiting, self.next, self.asked) = (steps, 0, 0);
+            (self.waiting, self.next, self.asked) = (steps, 0, [0; 2]);
         }
     }
 
     #[inline(always)]
     fn demand(&self) -> Demand {
         self.waiting.steps.get(self.next).map_or(self.rest.demand, |step| step.demand)
+    }
+
+    /// Returns the requests of the step just made.
+    #[inline(always)]
+    fn step_requests(&self) -> UnitRequests<'_> {
+        self.waiting.ports.step_at(self.asked, self.asks)
     }
 
     fn rest(&self) -> FinalUnitState {
@@ -164,25 +174,42 @@ impl StepSource for BatchedSteps {
 
     #[inline(always)]
     fn step(&mut self, _: Demand, traffic: &mut MemoryPorts) -> StepTiming {
-        let StageSteps { steps, asked, fault } = &mut self.waiting;
+        let StageSteps { steps, ports } = &mut self.waiting;
         let BatchedStep { made, requests, look_ups, .. } = steps[self.next];
-        if requests + look_ups > 0 {
-            let (requests, rest) = asked[self.asked..].split_at(requests as usize);
-            traffic.add_recorded(requests, &rest[..look_ups as usize]);
-            self.asked += requests.len() + look_ups as usize;
-        }
+        self.asks = [requests, look_ups];
         self.next += 1;
-        if self.next == steps.len() {
-            if let Some(fault) = fault.take() {
-                traffic.fault(fault);
-            }
-            self.use_next_batch();
+        if self.next == steps.len()
+            && let Some(fault) = ports.fault.take()
+        {
+            traffic.fault(fault);
         }
         made
     }
 
     #[inline(always)]
+    fn is_silent(&self, _: &MemoryPorts) -> bool {
+        self.asks == [0; 2]
+    }
+
+    #[inline(always)]
+    fn requests<'a>(&'a mut self, traffic: &'a mut MemoryPorts, visit: &mut StageVisit<'_>) -> Option<StepRequestsView<'a>> {
+        visit.settle_stored(self.step_requests(), traffic)
+    }
+
+    #[inline(always)]
     fn write(&self, writer: &mut RecordingWriter, number: usize, demand: Demand, made: &StepTiming, traffic: &MemoryPorts) {
-        writer.step(number, demand, made, traffic);
+        writer.step(number, demand, made, self.step_requests().requests, traffic);
+    }
+
+    #[inline(always)]
+    fn go_on(&mut self, traffic: &mut MemoryPorts) {
+        if self.asks != [0; 2] {
+            let [requests, look_ups] = self.asks.map(|count| count as usize);
+            self.asked = [self.asked[0] + requests, self.asked[1] + look_ups];
+            traffic.forget_stored();
+        }
+        if !self.has_step() {
+            self.use_next_batch();
+        }
     }
 }

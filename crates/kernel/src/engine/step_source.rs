@@ -163,7 +163,7 @@ where
 
     #[inline(always)]
     fn write(&self, writer: &mut RecordingWriter, number: usize, demand: Demand, made: &StepTiming, traffic: &MemoryPorts) {
-        writer.step(number, demand, made, traffic);
+        writer.step(number, demand, made, traffic.requests(), traffic);
     }
 }
 

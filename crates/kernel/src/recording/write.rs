@@ -44,12 +44,12 @@ impl RecordingWriter {
         Self { stages: shape.stages.iter().map(|stage| stream(&stage.clients)).collect(), written: 0, chunk_bytes }
     }
 
-    /// Records a step, once its requests are settled.
+    /// Records a step with its direct requests, once they are settled.
     #[inline]
-    pub(crate) fn step(&mut self, stage: usize, demand: Demand, made: &StepTiming, traffic: &MemoryPorts) {
+    pub(crate) fn step(&mut self, stage: usize, demand: Demand, made: &StepTiming, requests: &[Request], settled: &MemoryPorts) {
         let stream = &mut self.stages[stage];
         let before = stream.bytes.len();
-        stream.step(demand, made, traffic);
+        stream.step(demand, made, requests, settled);
         self.written += stream.bytes.len() - before;
     }
 
@@ -68,13 +68,13 @@ impl RecordingWriter {
 
 impl StageStream {
     #[inline]
-    fn step(&mut self, demand: Demand, made: &StepTiming, traffic: &MemoryPorts) {
+    fn step(&mut self, demand: Demand, made: &StepTiming, requests: &[Request], settled: &MemoryPorts) {
         self.look_ups.clear();
-        for (client, line) in traffic.lines() {
+        for (client, line) in settled.lines() {
             let address = line * u64::from(self.line_bytes[client as usize % MAX_CLIENTS]);
             self.look_ups.push(Request { client, write: false, address, bytes: 1 });
         }
-        let asks = UnitRequests { requests: traffic.requests(), look_ups: &self.look_ups };
+        let asks = UnitRequests { requests, look_ups: &self.look_ups };
         let place = slot_of(demand, made, asks);
         let class = &mut self.classes[usize::from(place)];
         if !class.as_ref().is_some_and(|class| class.contains(demand, made, asks)) {

@@ -6,7 +6,7 @@ use super::in_flight::{BLOCKING, Delivery, InFlightStep, MARKED};
 use super::port_ids::{ConnectedFifos, PortIds};
 use super::stage_clock::StepAnswers;
 use super::{FifoTiming, InputMask, StageArity, StageClock, StepTiming, charge};
-use crate::step_requests::StepRequestsView;
+use crate::step_requests::{StepRequestsView, UnitRequests};
 use crate::{Cycle, CycleAccount, MemoryClients, MemoryPorts, MemorySystem, Probe};
 
 /// A stage with mutable timing state.
@@ -67,6 +67,17 @@ impl StageVisit<'_> {
     pub(crate) fn settle<'t>(&mut self, traffic: &'t mut MemoryPorts) -> Option<StepRequestsView<'t>> {
         let StageClock { clients, needs, .. } = &*self.clock;
         traffic.settle(&mut MemoryClients { ids: clients, memories: self.memories }, &needs.credits)
+    }
+
+    /// As `settle`, for a step whose requests are not in its ports.
+    #[inline(always)]
+    pub(crate) fn settle_stored<'t>(
+        &mut self,
+        asks: UnitRequests<'t>,
+        traffic: &'t mut MemoryPorts,
+    ) -> Option<StepRequestsView<'t>> {
+        let StageClock { clients, needs, .. } = &*self.clock;
+        traffic.settle_stored(asks, &mut MemoryClients { ids: clients, memories: self.memories }, &needs.credits)
     }
 
     /// Makes a step without requests that starts at `at`: updates the times of its FIFOs. Its delivery is known.
