@@ -48,20 +48,20 @@ impl<const N: usize> AttributeGradient<N> {
     }
 }
 
-/// Returns the weights of the fragments of a stamp, side by side. Lanes without a fragment repeat the last one: a mask would cost
+/// Returns two values of each entry of a stamp, side by side. Lanes without an entry repeat the last one: a mask would cost
 /// more than the wasted arithmetic. (An array filled in steps would be slower: the processor cannot load the register before all
 /// stores to it are in memory.)
 #[inline(always)]
-pub fn weights(stamp: &Stamp<Fragment>) -> [f32x4; 2] {
+pub fn side_by_side<T>(stamp: &Stamp<T>, values: impl Fn(&T) -> [f32; 2]) -> [f32x4; 2] {
     let Some(last) = stamp.len().checked_sub(1) else { return [f32x4::ZERO; 2] };
-    let [a, b, c, d] = [0, 1, 2, 3].map_inline(|lane: usize| stamp[lane.min(last)].weights);
+    let [a, b, c, d] = [0, 1, 2, 3].map_inline(|lane: usize| values(&stamp[lane.min(last)]));
     [f32x4::new([a[0], b[0], c[0], d[0]]), f32x4::new([a[1], b[1], c[1], d[1]])]
 }
 
-/// Returns one attribute at `weights` of a triangle. See [`AttributeGradient::at`].
-#[inline]
-pub fn interpolate<const N: usize>(vertices: [&[f32; N]; 3], weights: [f32; 2]) -> [f32; N] {
-    AttributeGradient::new(vertices).at(weights)
+/// Returns the weights of the fragments of a stamp, side by side.
+#[inline(always)]
+pub fn weights(stamp: &Stamp<Fragment>) -> [f32x4; 2] {
+    side_by_side(stamp, |fragment| fragment.weights)
 }
 
 #[cfg(test)]
@@ -72,7 +72,7 @@ mod tests {
     #[test]
     fn corners_and_constants_are_exact() {
         let v = [[1.0, 0.1], [2.0, 0.1], [4.0, 0.1]];
-        let at = |w| interpolate([&v[0], &v[1], &v[2]], w);
+        let at = |w| AttributeGradient::new([&v[0], &v[1], &v[2]]).at(w);
         assert_eq!(at([0.0, 0.0]), v[0]);
         assert_eq!(at([1.0, 0.0]), v[1]);
         assert_eq!(at([0.0, 1.0]), v[2]);

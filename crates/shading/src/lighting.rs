@@ -1,8 +1,10 @@
 //! The lighting formula: `ka + kd * sum i max(N.L, 0)` and `ks * sum i max(N.H, 0)^n` (assumed: ambient + Lambert + Blinn-Phong;
 //! the patent states only that light type and position decide the brightness of a normal).
 
+use basrelief_signals::MapInline as _;
 use basrelief_signals::{Frame, LightKind, Lighting};
 use glam::Vec3;
+use wide::f32x4;
 
 /// A light prepared for the formula. It is constant over an object, because light and viewer are at infinity or the light is
 /// evaluated at the object's centre.
@@ -23,6 +25,17 @@ pub fn saturated(color: [f32; 3]) -> [u8; 3] {
     let [red, green, blue] = color;
     let bits = |c: f32| (c * 255.0 + 0.5) as u8;
     [bits(red), bits(green), bits(blue)]
+}
+
+/// Computes [`saturated`] for four colours side by side. Returns their bytes by component.
+#[inline(always)]
+pub fn saturated_beside(color: [f32x4; 3]) -> [[i32; 4]; 3] {
+    color.map_inline(|c| {
+        let steps = c * 255.0 + 0.5;
+        // NaN compares as not above 0.
+        let positive = steps.simd_gt(f32x4::ZERO).select(steps, f32x4::ZERO);
+        positive.fast_min(f32x4::splat(255.0)).fast_trunc_int().to_array()
+    })
 }
 
 /// Returns the frame's lights as seen from `centre` (world space), where point lights are evaluated.
@@ -62,6 +75,17 @@ fn power(x: f32, n: f32) -> f32 {
 mod tests {
     use super::*;
     use basrelief_signals::{Camera, Light};
+
+    #[test]
+    fn colours_side_by_side_saturate_like_one() {
+        let values =
+            [f32::NAN, f32::NEG_INFINITY, -0.0, 0.001_960_784_2, 0.001_960_784_4, 0.5, 0.998, 1.0, 1.01, f32::INFINITY, 1e30];
+        for value in values {
+            let [beside, ..] = saturated_beside([f32x4::new([0.0, value, 1.0, value]); 3]);
+            let [alone, ..] = saturated([value; 3]).map(i32::from);
+            assert_eq!(beside, [0, alone, 255, alone], "{value}");
+        }
+    }
 
     fn frame(kinds: &[LightKind]) -> Frame {
         let camera = Camera { view_projection: [0.0; 16], to_light: [0.0, 0.0, 1.0], to_viewer: [0.0, 0.0, 1.0] };

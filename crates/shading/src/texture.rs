@@ -3,7 +3,7 @@
 use basrelief_signals::MapInline as _;
 use basrelief_signals::{Image, MAX_STAMP, Sampler, TexelFilter, WrapMode};
 use std::ops::{Mul, Sub};
-use wide::{f32x4, u32x4};
+use wide::{f32x4, i32x4, u32x4};
 
 /// Texels of a sample and their weights.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -160,6 +160,16 @@ fn whole(x: f32x4) -> u32x4 {
 #[inline(always)]
 pub(crate) fn times(lanes: u32x4, n: u32) -> u32x4 {
     if n.is_power_of_two() { lanes.unbounded_shl_scalar(n.trailing_zeros()) } else { lanes * n }
+}
+
+/// Returns texels of samples side by side as stored: red, green and blue, 0..=255 each. `missing` stands for a texel that the image
+/// lacks because its array is short.
+#[inline(always)]
+pub fn stored(image: &Image, numbers: u32x4, missing: [u8; 4]) -> [f32x4; 3] {
+    let texel = |at: u32| i32::from_le_bytes(image.texels.get(at as usize).copied().unwrap_or(missing));
+    let texels = i32x4::new(numbers.to_array().map_inline(texel));
+    let component = |texels: i32x4| f32x4::from_i32x4(texels & i32x4::splat(255));
+    [component(texels), component(texels.unbounded_shr_scalar(8)), component(texels.unbounded_shr_scalar(16))]
 }
 
 /// Decodes a component of normals from its stored form, 0..=255: `v / 127.5 - 1`. The function is linear, so it also accepts

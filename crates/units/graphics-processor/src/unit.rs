@@ -6,10 +6,14 @@ use crate::state::{GraphicsProcessorState, HeldItem, InputPhase};
 use crate::work::{ANY_PIXEL, PixelTiming};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, Operators, Step, Unit, UnitTable};
-use basrelief_shading::{AttributeGradient, BlockLayout, fan_triangle, interpolate, polygon_lod, select_levels, taps};
-use basrelief_signals::from_fn_inline;
-use basrelief_signals::{Control, Flow, Fragment, Pixel, Polygon, ShadedFragment, Stamp, TexelFilter, Texture, layout};
+use basrelief_shading::{
+    AttributeGradient, BlockLayout, FootprintLines, fan_triangle, footprints, polygon_lod, select_levels, side_by_side, wrapped,
+};
+use basrelief_signals::{
+    Control, Flow, Fragment, Pixel, Polygon, ShadedFragment, Stamp, TexelFilter, Texture, from_fn_inline, layout,
+};
 use std::sync::Arc;
+use wide::f32x4;
 
 /// Client of the colour-texture cache.
 const TEXTURES: u32 = 0;
@@ -44,6 +48,7 @@ pub struct GraphicsProcessor {
     /// Memory layout of colour textures.
     pub layout: BlockLayout,
     timing: PixelTiming,
+    lines: FootprintLines,
     /// State between steps.
     pub state: GraphicsProcessorState,
 }
@@ -54,7 +59,8 @@ impl GraphicsProcessor {
     /// waiting entry.
     pub fn new(config: GraphicsConfig, operators: Operators, separate: bool, [stamp, line_bytes, entry_bits]: [u32; 3]) -> Self {
         let (timing, state) = (PixelTiming::new(operators), GraphicsProcessorState::default());
-        Self { config, separate, stamp, line_bytes, entry_bits, layout: BlockLayout::default(), timing, state }
+        let lines = FootprintLines::new(layout::COLOR_TEXTURES, config.texel_bytes, line_bytes);
+        Self { config, separate, stamp, line_bytes, entry_bits, layout: BlockLayout::default(), timing, lines, state }
     }
 
     /// Sets the memory layout of colour textures.
@@ -171,57 +177,62 @@ impl GraphicsProcessor {
                 self.take_effect(&control);
                 return self.after(Some(Flow::Control(control)));
             }
-            HeldItem::Bump(stamp) => self.pixels(stamp.iter().map(|s| (s.fragment, Some([s.brightness, s.highlight]))), traffic),
-            HeldItem::Plain(stamp) => self.pixels(stamp.iter().map(|fragment| (*fragment, None)), traffic),
+            HeldItem::Bump(stamp) => {
+                let brightness = side_by_side(&stamp, |s| [s.brightness, s.highlight]);
+                self.pixels(&stamp, |s| &s.fragment, Some(brightness), traffic)
+            }
+            HeldItem::Plain(stamp) => self.pixels(&stamp, |fragment| fragment, None, traffic),
         };
         let out = pixels.map(Flow::Item);
         Step::over(fragments, self.state.pace, self.timing.latency, out).after_data(self.timing.after_texels)
     }
 
-    /// Returns the pixels of the fragments of a triangle, each with brightness and highlight unless they come from the vertices.
+    /// Returns the pixels of the fragments of a triangle. Brightness and highlight come from the vertices if there are none.
     #[inline(always)]
-    fn pixels(
+    fn pixels<T>(
         &mut self,
-        mut shaded: impl Iterator<Item = (Fragment, Option<[f32; 2]>)>,
+        stamp: &Stamp<T>,
+        fragment: impl Fn(&T) -> &Fragment,
+        brightness: Option<[f32x4; 2]>,
         traffic: &mut MemoryPorts,
     ) -> Option<Stamp<Pixel>> {
         let polygon = self.state.polygon.as_deref()?;
-        let first = shaded.next()?;
-        let [a, b, c] = fan_triangle(polygon, first.0.triangle)?;
-        let color = AttributeGradient::new([&a.color, &b.color, &c.color]);
-        let mut stamp = Stamp::new();
-        for (fragment, brightness) in std::iter::once(first).chain(shaded) {
-            let weights = fragment.weights;
-            let [brightness, highlight] = brightness.unwrap_or_else(|| {
-                let [rest, specular] = interpolate([&a.brightness, &b.brightness, &c.brightness], weights);
-                if self.separate { [rest, specular] } else { [rest + specular, 0.0] }
-            });
-            let color = color.at(weights);
-            let mut base: [f32; 3] = from_fn_inline(|i| color[i] * polygon.material.base_color[i]);
-            if let Some(texture) = &polygon.material.color_texture {
-                let uv = interpolate([&a.uv, &b.uv, &c.uv], weights);
-                let texel = self.sample(texture, uv, traffic)?;
-                base = from_fn_inline(|i| base[i] * texel[i]);
-            }
-            let rgb = blended(base, brightness, highlight);
-            stamp.push(Pixel { x: fragment.x, y: fragment.y, z: fragment.z, rgb });
+        let material = &*polygon.material;
+        let [a, b, c] = fan_triangle(polygon, fragment(stamp.first()?).triangle)?;
+        let weights = side_by_side(stamp, |entry| fragment(entry).weights);
+        let brightness = brightness.unwrap_or_else(|| {
+            let lit = AttributeGradient::new([&a.brightness, &b.brightness, &c.brightness]);
+            let [rest, specular] = lit.side_by_side(weights);
+            if self.separate { [rest, specular] } else { [rest + specular, f32x4::ZERO] }
+        });
+        let color = AttributeGradient::new([&a.color, &b.color, &c.color]).side_by_side(weights);
+        let mut base: [f32x4; 3] = from_fn_inline(|i| color[i] * material.base_color[i]);
+        if let Some(texture) = &material.color_texture {
+            let uv = AttributeGradient::new([&a.uv, &b.uv, &c.uv]).side_by_side(weights);
+            let texel = self.sample(texture, uv, stamp.len(), traffic)?;
+            base = from_fn_inline(|i| base[i] * texel[i]);
         }
-        let pixels = stamp.len() as u64;
-        self.state.counters.textured += if polygon.material.color_texture.is_some() { pixels } else { 0 };
-        self.state.counters.pixels += pixels;
-        Some(stamp)
+        let [red, green, blue] = blended(base, brightness);
+        let mut pixels = Stamp::new();
+        for (lane, &Fragment { x, y, z, .. }) in stamp.iter().map(fragment).enumerate() {
+            pixels.push(Pixel { x, y, z, rgb: [red[lane] as u8, green[lane] as u8, blue[lane] as u8] });
+        }
+        let count = pixels.len() as u64;
+        self.state.counters.textured += if material.color_texture.is_some() { count } else { 0 };
+        self.state.counters.pixels += count;
+        Some(pixels)
     }
 
+    /// Returns the RGB of samples side by side, of which the first `count` are in use.
     #[inline]
-    fn sample(&self, texture: &Texture, uv: [f32; 2], traffic: &mut MemoryPorts) -> Option<[f32; 3]> {
+    fn sample(&self, texture: &Texture, uv: [f32x4; 2], count: usize, traffic: &mut MemoryPorts) -> Option<[f32x4; 3]> {
         let image = texture.levels.get(self.state.level)?;
-        let taps = taps(image, &texture.sampler, self.config.filter, uv);
-        let bytes = self.config.texel_bytes;
-        for &texel in taps.texel.iter().take(usize::from(taps.count)) {
-            let address = self.state.place.texel(texel) * u64::from(bytes);
-            traffic.look_up(TEXTURES, layout::COLOR_TEXTURES + address, bytes);
+        let footprints = footprints(image, &texture.sampler, self.config.filter, wrapped(&texture.sampler, uv));
+        if !traffic.is_discarding() {
+            let look_up = |address, bytes| traffic.look_up(TEXTURES, address, bytes);
+            self.lines.each(self.state.place, &footprints, count, look_up);
         }
-        Some(filtered(image, &taps))
+        Some(filtered(image, &footprints))
     }
 }
 

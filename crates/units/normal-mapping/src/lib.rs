@@ -9,7 +9,6 @@
 
 mod config;
 mod distinct;
-mod lines;
 mod rotate;
 mod state;
 mod unit;

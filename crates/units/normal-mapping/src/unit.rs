@@ -1,21 +1,27 @@
 //! The unit and its step.
 
 use crate::DistinctCounter;
-use crate::lines::FootprintLines;
 use crate::rotate::{FixedPoint, TangentFrame};
 use crate::state::TriangleSetup;
 use crate::work::MappingTiming;
 use crate::{FilterAt, NormalMappingConfig, NormalMappingState};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, Operators, Step, Unit, UnitTable};
-use basrelief_shading::{BlockLayout, LEVELS, SampleFootprints, decode_normal, footprints, select_levels, weights, wrapped};
+use basrelief_shading::{
+    BlockLayout, FootprintLines, LEVELS, SampleFootprints, decode_normal, footprints, select_levels, stored, weights, wrapped,
+};
 use basrelief_signals::MapInline as _;
 use basrelief_signals::{
     Control, Flow, Fragment, Image, MAX_SAMPLES, MAX_STAMP, Polygon, PseudoNormals, Stamp, StampLanes, StampNormals, StampSample,
     StampSamples,
 };
 use std::sync::Arc;
-use wide::{f32x4, i32x4, u32x4};
+use wide::f32x4;
+
+/// Client of the cache in front of the normal-map memory (116).
+const NORMAL_MAP: u32 = 0;
+/// Stands for a texel missing from an image, whose array is short: a normal that points straight up.
+const STRAIGHT_UP: [u8; 4] = [128, 128, 255, 255];
 
 /// Normal-vector mapping unit (108).
 ///
@@ -42,7 +48,7 @@ impl NormalMapping {
     /// If [`NormalMappingConfig::samples`] exceeds [`MAX_SAMPLES`], the coarsest samples are dropped. The machine's configuration
     /// rejects this.
     pub fn new(config: NormalMappingConfig, operators: &Operators, levels: u8, stamp: u32, line_bytes: u32) -> Self {
-        let lines = FootprintLines::new(config.texel_bytes, line_bytes);
+        let lines = FootprintLines::new(0, config.texel_bytes, line_bytes);
         let fixed_point = FixedPoint::new(config.normal_bits);
         let timing = MappingTiming::new(&config, operators);
         let (layout, state) = (BlockLayout::default(), NormalMappingState::default());
@@ -108,7 +114,10 @@ impl NormalMapping {
         for (level, weight, place) in selected {
             let image = map.levels.get(usize::from(level))?;
             let footprints = footprints(image, &map.sampler, self.config.filter, uv);
-            self.lines.look_up(place, &footprints, stamp.len(), traffic);
+            if !traffic.is_discarding() {
+                let look_up = |address, bytes| traffic.look_up(NORMAL_MAP, address, bytes);
+                self.lines.each(place, &footprints, stamp.len(), look_up);
+            }
             counters.texels += u64::from(footprints.count) * stamp.len() as u64;
             let value = |stored: [f32x4; 3]| {
                 let [x, y, z] = stored.map_inline(decode_normal);
@@ -125,7 +134,7 @@ impl NormalMapping {
                     out.extend(taps.map(|(share, numbers)| StampSample {
                         level,
                         weight: (share * weight).to_array(),
-                        value: value(stored(image, numbers)),
+                        value: value(stored(image, numbers, STRAIGHT_UP)),
                     }));
                 }
             }
@@ -136,25 +145,15 @@ impl NormalMapping {
     }
 }
 
-/// Returns texels as stored, 0..=255 per component, of several samples side by side. A texel missing from the image (its array is
-/// short) points straight up.
-#[inline(always)]
-fn stored(image: &Image, numbers: u32x4) -> [f32x4; 3] {
-    let texel = |at: u32| i32::from_le_bytes(image.texels.get(at as usize).copied().unwrap_or([128, 128, 255, 255]));
-    let texels = i32x4::new(numbers.to_array().map_inline(texel));
-    let component = |texels: i32x4| f32x4::from_i32x4(texels & i32x4::splat(255));
-    [component(texels), component(texels.unbounded_shr_scalar(8)), component(texels.unbounded_shr_scalar(16))]
-}
-
 /// Returns the filtered stored values: the weighted sum of the taps. Decoding is linear, so it can follow.
 #[inline(always)]
 fn filtered(image: &Image, footprints: &SampleFootprints) -> [f32x4; 3] {
     let numbers = footprints.numbers(image.width);
     if footprints.count == 1 {
-        return stored(image, numbers[0]);
+        return stored(image, numbers[0], STRAIGHT_UP);
     }
     let weights = footprints.weights();
-    let weighted = |tap: usize| stored(image, numbers[tap]).map_inline(|component| component * weights[tap]);
+    let weighted = |tap: usize| stored(image, numbers[tap], STRAIGHT_UP).map_inline(|component| component * weights[tap]);
     let sum = |[ax, ay, az]: [f32x4; 3], [bx, by, bz]: [f32x4; 3]| [ax + bx, ay + by, az + bz];
     sum(sum(weighted(0), weighted(1)), sum(weighted(2), weighted(3)))
 }
@@ -194,7 +193,7 @@ impl Unit for NormalMapping {
         if client != 0 {
             return 0;
         }
-        self.stamp * u32::from(self.levels.clamp(1, LEVELS as u8)) * self.config.taps() * self.lines.per_texel
+        self.stamp * u32::from(self.levels.clamp(1, LEVELS as u8)) * self.config.taps() * self.lines.per_texel()
     }
 
     /// Returns the latency, the part of it that needs texels, and the cycles of a fragment: without a map, then with a map by its number

@@ -170,15 +170,21 @@ fn texture_level_follows_polygon_texel_ratio() {
     // 8 x 8 texels on 4 x 4 pixels: LOD 8, level 1.
     let map = texture(&[[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [255; 4]]);
     let material = Material { color_texture: Some(map), ..Material::default() };
-    let run = |config: GraphicsConfig| {
-        Bench::new(config, false).control(&polygon(true, material.clone())).bump(shaded(1, 1.0, 0.0)).run()
+    let run_with = |line_bytes, config: GraphicsConfig| {
+        let unit = GraphicsProcessor::new(config.clone(), Operators::default(), false, [4, line_bytes, 8]);
+        let bench = Bench { unit, ..Bench::new(config, false) };
+        bench.control(&polygon(true, material.clone())).bump(shaded(1, 1.0, 0.0)).run()
     };
+    let run = |config| run_with(4, config);
     let nearest = run(GraphicsConfig::default());
     assert_eq!(nearest.pixels()[0].rgb, [0, 128, 0]);
     let base = layout::COLOR_TEXTURES + (1600 + 64) * 4;
     let addresses: Vec<u64> = nearest.traffic[1].look_ups().iter().map(|r| r.address - base).collect();
     // uv (0.5, 0.25) of 4 x 4 texels: columns 1 and 2, rows 0 and 1.
     assert_eq!(addresses, [4, 8, 20, 24]);
+    let in_one_line = run_with(64, GraphicsConfig::default());
+    let looked_up: Vec<u64> = in_one_line.traffic[1].look_ups().iter().map(|r| r.address / 64).collect();
+    assert_eq!(looked_up, [base / 64]);
     assert_eq!(nearest.unit.state.counters.textured, 1);
     let off = run(GraphicsConfig { mip: MipFilter::Off, filter: TexelFilter::Nearest, ..GraphicsConfig::default() });
     assert_eq!(off.pixels()[0].rgb, [255, 0, 0]);
