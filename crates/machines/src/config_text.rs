@@ -1,11 +1,14 @@
 //! Text of a configuration file.
 
 use crate::MachineInfo;
+use crate::memories::fields_of_part;
+use basrelief_kernel::{MemoryConfig, MemoryPart};
 use basrelief_parameters::{ConfigError, ReportConfig, TomlFault};
+use serde_json::Value;
 
 impl MachineInfo {
-    /// Returns the text of a configuration file: the `config` of a report, or the text itself. `choice` as in
-    /// [`explain`](Self::explain).
+    /// Returns the text of a configuration file: the `config` of a report, or the text itself. Numbers of memory parts in a report
+    /// follow another part. `choice` as in [`explain`](Self::explain).
     ///
     /// # Errors
     /// A report of another machine, and JSON that is not valid.
@@ -13,10 +16,30 @@ impl MachineInfo {
         let with_line = |error: ConfigError| TomlFault::of_parameter(error.key(), error.to_string()).at_line(&text);
         match ReportConfig::of(&text).map_err(with_line)? {
             None => Ok(text),
-            Some(config) if config.machine == self.name => Ok(config.text),
+            Some(config) if config.machine == self.name => Ok(self.without_part_numbers(&config.text).unwrap_or(config.text)),
             Some(ReportConfig { machine, .. }) => {
                 Err(format!("is a report of machine `{machine}`, and this is `{}`; {}", self.name, choice(&machine)))
             }
         }
+    }
+
+    /// Returns the configuration of a report without the numbers that its memory parts set at its clock, so that they follow another part
+    /// and another clock. Returns `None` if that changes the configuration, and if it is not valid: then errors name lines of the report.
+    fn without_part_numbers(&self, text: &str) -> Option<String> {
+        let whole = self.load(text, &[]).ok()?.to_value();
+        let hz = whole["clock"]["hz"].as_u64()?;
+        let mut rest: Value = serde_json::from_str(text).ok()?;
+        for (name, memory) in rest.get_mut("memory")?.as_object_mut()? {
+            let config: MemoryConfig = serde_json::from_value(whole["memory"][name].clone()).ok()?;
+            let mut fields = fields_of_part(&config, hz);
+            if config.part != MemoryPart::Custom && config.channel_bytes == config.burst_bytes {
+                fields.push(("channel_bytes", config.burst_bytes));
+            }
+            memory
+                .as_object_mut()?
+                .retain(|field, value| !fields.iter().any(|(of_part, number)| field == of_part && value == number));
+        }
+        let short = rest.to_string();
+        (self.load(&short, &[]).ok()?.to_value() == whole).then_some(short)
     }
 }

@@ -129,12 +129,7 @@ impl<'a> MemoryNumbers<'a> {
     fn new(memory: &'a MemoryConfig, hz: u64, by_default: MemoryPart) -> Self {
         let part = memory.part;
         let sheet = part.numbers(hz, [None; 2]).ok();
-        let beside = |name: &str, value: u32| {
-            let differs = sheet.iter().flatten().any(|number| number.name == name && number.value != value);
-            differs.then_some(value)
-        };
-        let burst = [beside("burst_bytes", memory.burst_bytes), beside("burst_cycles", memory.burst_cycles)];
-        let with_burst = part.numbers(hz, burst).unwrap_or_default();
+        let with_burst = numbers_with_burst(memory, hz, sheet.as_deref().unwrap_or_default());
         let of_default = if part == MemoryPart::Custom { by_default.numbers(hz, [None; 2]).unwrap_or_default() } else { vec![] };
         Self { memory, by_default, sheet, with_burst, of_default }
     }
@@ -165,6 +160,24 @@ impl<'a> MemoryNumbers<'a> {
         let text = format!("set by the user; the memory part has {}: {}", number.value, number.provenance.text());
         Some(Provenance::Assumed(text.into()))
     }
+}
+
+/// Returns the numbers of a memory's part with the memory's burst. `sheet`: those of the part alone.
+fn numbers_with_burst(memory: &MemoryConfig, hz: u64, sheet: &[PartNumber]) -> Vec<PartNumber> {
+    let beside = |name: &str, value: u32| {
+        let differs = sheet.iter().any(|number| number.name == name && number.value != value);
+        differs.then_some(value)
+    };
+    let burst = [beside("burst_bytes", memory.burst_bytes), beside("burst_cycles", memory.burst_cycles)];
+    memory.part.numbers(hz, burst).unwrap_or_default()
+}
+
+/// Returns the fields of a memory that its part sets at this clock, if their values stay where they are not given.
+pub(crate) fn fields_of_part(memory: &MemoryConfig, hz: u64) -> Vec<(&'static str, u32)> {
+    let sheet = memory.part.numbers(hz, [None; 2]).unwrap_or_default();
+    let is_burst = |number: &PartNumber| number.name.starts_with("burst");
+    let others = numbers_with_burst(memory, hz, &sheet).into_iter().filter(|number| !is_burst(number));
+    others.chain(sheet.iter().filter(|number| is_burst(number)).cloned()).map(|number| (number.name, number.value)).collect()
 }
 
 /// Checks the assumptions of law 4 for each memory.

@@ -29,6 +29,23 @@ fn part_fills_values_without_a_machine_default() {
 }
 
 #[test]
+fn config_of_a_report_follows_another_part_and_clock() {
+    for machine in MACHINES {
+        let memory = machine.load("", &[]).unwrap().memories().unwrap()[0].0.clone();
+        let [part, cl, channels] = ["part", "cl", "channels"].map(|field| format!("memory.{memory}.{field}"));
+        let given = [(&*cl, "9"), (&*channels, "2")];
+        let first = machine.load("", &given).unwrap();
+        let report = serde_json::json!({"machine": machine.name, "config": first.to_value()}).to_string();
+        let text = machine.config_text(report, |_| unreachable!()).unwrap();
+        assert_eq!(machine.load(&text, &[]).unwrap().to_value(), first.to_value());
+        for change in [(&*part, "sdr-100"), ("clock.hz", "100000000")] {
+            let expected = machine.load("", &[given[0], given[1], change]).unwrap().to_value();
+            assert_eq!(machine.load(&text, &[change]).unwrap().to_value(), expected, "{} {change:?}", machine.name);
+        }
+    }
+}
+
+#[test]
 fn explicit_values_win_over_a_part_in_any_order() {
     let [part, cl] = [("memory.graphics.part", "sdr-133"), ("memory.graphics.cl", "2")];
     let set = graphics("", &[part, cl]);
