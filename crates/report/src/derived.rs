@@ -101,7 +101,7 @@ fn add_memories(report: &Report, figures: &mut DerivedFigures, hz: f64, work: &W
         figures.ratio(format!("{name}.row_hit_rate"), hits, bursts, "1", formula);
         let (busy, cycles) = within_frames(report, memory);
         let formula = format!(
-            "sum(memories.{name}.bus.busy[0..n]) / (n * memories.{name}.bus.interval * count(memories.{name}.channels)), n = {drawn} div memories.{name}.bus.interval"
+            "sum(memories.{name}.bus.busy[0..n]) / (min(n * memories.{name}.bus.interval, cycles.total) * count(memories.{name}.channels)), n = ceil({drawn} / memories.{name}.bus.interval)"
         );
         figures.ratio(format!("{name}.bus_utilization"), busy, cycles, "1", formula);
         if let Some([burst_bytes, burst_cycles]) = burst_shape(report, name) {
@@ -132,13 +132,14 @@ fn burst_shape(report: &Report, memory: &str) -> Option<[f64; 2]> {
     Some([config.get("burst_bytes")?.as_f64()?, config.get("burst_cycles")?.as_f64()?])
 }
 
-/// Cycles in which the buses of a memory moved data, and in which they could have, in the intervals that lie in frames as a
-/// whole.
+/// Cycles in which the buses of a memory moved data, and in which they could have, in the intervals that touch a frame. (Without the
+/// last of them, which frames end in with their writes, the result of short runs was up to a third too low.)
 fn within_frames(report: &Report, memory: &Memory) -> (f64, f64) {
     let Bus { interval, ref busy } = memory.bus;
-    let whole = report.frame_cycles().checked_div(interval).unwrap_or(0);
-    let moved: u64 = busy.iter().take(usize::try_from(whole).unwrap_or(usize::MAX)).sum();
-    (moved as f64, whole as f64 * interval as f64 * memory.channels.len() as f64)
+    let touched = report.frame_cycles().div_ceil(interval.max(1));
+    let moved: u64 = busy.iter().take(usize::try_from(touched).unwrap_or(usize::MAX)).sum();
+    let cycles = touched.saturating_mul(interval).min(report.cycles.as_ref().map_or(0, |cycles| cycles.total));
+    (moved as f64, cycles as f64 * memory.channels.len() as f64)
 }
 
 #[cfg(test)]
@@ -173,6 +174,17 @@ mod tests {
     }
 
     #[test]
+    fn bus_utilization_covers_interval_in_which_run_ends() {
+        let mut report = samples::balanced();
+        let total = report.cycles.as_ref().unwrap().total;
+        let memory = report.memories.as_mut().unwrap().get_mut("graphics").unwrap();
+        let channels = memory.channels.len() as u64;
+        // Seven eighths of the run are idle, and the last interval, which the run ends in, is busy.
+        memory.bus = Bus { interval: total / 8 * 7, busy: vec![0, channels * total / 8] };
+        assert_eq!(derive(&report)["graphics.bus_utilization"].value, 0.125);
+    }
+
+    #[test]
     fn incomplete_frame_counts_in_no_mean_per_frame() {
         let mut report = samples::balanced();
         report.outcome.kind = crate::model::OutcomeKind::Limit;
@@ -184,7 +196,7 @@ mod tests {
         assert_eq!((derived["cycles_per_fragment"].value, derived["graphics.bus_utilization"].value), (5.0, 0.24));
         let formulas: Vec<&str> = derived.values().map(|figure| &*figure.formula).collect();
         assert!(formulas.iter().all(|formula| !formula.contains("write_tail")), "{formulas:?}");
-        assert!(derived["graphics.bus_utilization"].formula.ends_with("n = cycles.total div memories.graphics.bus.interval"));
+        assert!(derived["graphics.bus_utilization"].formula.ends_with("n = ceil(cycles.total / memories.graphics.bus.interval)"));
     }
 
     #[test]
