@@ -70,7 +70,7 @@ pub use reader::{TraceReader, open};
 pub use recorder::TraceRecorder;
 pub use resolver::{NoFiles, PlacedExpectation, TextureFiles, TraceResolver};
 pub use schema::schema;
-pub use writer::{TraceWriter, convert};
+pub use writer::{TraceWriter, convert, convert_with_texels};
 
 /// Tests the example of the README.
 #[cfg(doctest)]

@@ -270,15 +270,24 @@ impl<R: Read, F: TextureFiles> TraceResolver<R, F> {
         if let Some(data) = definition.data.take() {
             return Ok((data.0, self.budget.empty_reservation()));
         }
-        let name = definition.file.as_deref().unwrap_or_default();
-        let expected = definition.texel_count() * definition.kind.texel_bytes();
-        let held = self.budget.try_reserve(expected + 1, "a file of texels").map_err(CommandFault::over_budget("file"))?;
-        let mut bytes = Vec::with_capacity(expected as usize + 1);
-        let read = self.files.open(name).and_then(|file| file.take(expected + 1).read_to_end(&mut bytes));
-        read.map_err(|e| CommandFault::new("file", format!("cannot read {name:?}: {e}")).of_kind(ErrorKind::Io))?;
-        check_length(definition, bytes.len() as u64, "file")?;
-        Ok((bytes, held))
+        texels_of_file(definition, &mut self.files, &self.budget)
     }
+}
+
+/// Returns the texels of a texture that names their file, with their reservation.
+pub(crate) fn texels_of_file(
+    definition: &TextureDefinition,
+    files: &mut impl TextureFiles,
+    budget: &MemoryPool,
+) -> Result<(Vec<u8>, MemoryReservation), CommandFault> {
+    let name = definition.file.as_deref().unwrap_or_default();
+    let expected = definition.texel_count() * definition.kind.texel_bytes();
+    let held = budget.try_reserve(expected + 1, "a file of texels").map_err(CommandFault::over_budget("file"))?;
+    let mut bytes = Vec::with_capacity(expected as usize + 1);
+    let read = files.open(name).and_then(|file| file.take(expected + 1).read_to_end(&mut bytes));
+    read.map_err(|e| CommandFault::new("file", format!("cannot read {name:?}: {e}")).of_kind(ErrorKind::Io))?;
+    check_length(definition, bytes.len() as u64, "file")?;
+    Ok((bytes, held))
 }
 
 impl<R: Read, F: TextureFiles> Iterator for TraceResolver<R, F> {

@@ -1,12 +1,14 @@
 //! Writes a stream of commands in any form.
 
+use crate::Texels;
 use crate::check::check;
 use crate::command::{EndCommand, TraceCommand, VERSION};
-use crate::error::{ErrorKind, TraceError, TracePlace};
+use crate::error::{CommandFault, ErrorKind, TraceError, TracePlace};
 use crate::form::{BINARY_MAGIC, ByteSink, TraceEncoding, TraceForm};
 use crate::reader::{limit, open, too_long};
+use crate::resolver::{TextureFiles, texels_of_file};
 use crate::sequence::CommandOrder;
-use basrelief_input::MemoryPool;
+use basrelief_input::{MemoryPool, MemoryReservation};
 use std::io::{self, Read, Write};
 
 /// Writes commands. Each command passes the checks of the reader, so that the output can be read.
@@ -96,11 +98,46 @@ pub(crate) fn write_line(command: &TraceCommand, mut line: impl Write) -> io::Re
 /// # Errors
 /// If the trace is malformed or truncated, exceeds the memory limit, or reading or writing fails.
 pub fn convert<R: Read, W: Write>(reader: R, writer: W, form: TraceForm, budget: &MemoryPool) -> Result<u64, TraceError> {
+    convert_with(reader, writer, form, budget, &mut |_| Ok(None))
+}
+
+/// As [`convert`], for a trace that moves away from its `files` of texels: it then holds these texels itself.
+///
+/// # Errors
+/// Those of [`convert`], and a file of texels that cannot be read or has another length.
+pub fn convert_with_texels<R: Read, W: Write>(
+    reader: R,
+    writer: W,
+    form: TraceForm,
+    budget: &MemoryPool,
+    mut files: impl TextureFiles,
+) -> Result<u64, TraceError> {
+    convert_with(reader, writer, form, budget, &mut |command| {
+        let TraceCommand::Texture(definition) = command else { return Ok(None) };
+        if definition.file.is_none() {
+            return Ok(None);
+        }
+        let (texels, held) = texels_of_file(definition, &mut files, budget)?;
+        (definition.data, definition.file) = (Some(Texels(texels)), None);
+        Ok(Some(held))
+    })
+}
+
+/// Converts a trace after a change of each command. The change returns the reservation of its memory.
+fn convert_with<R: Read, W: Write>(
+    reader: R,
+    writer: W,
+    form: TraceForm,
+    budget: &MemoryPool,
+    change: &mut dyn FnMut(&mut TraceCommand) -> Result<Option<MemoryReservation>, CommandFault>,
+) -> Result<u64, TraceError> {
     let mut out = TraceWriter::new(writer, form)?;
     let mut commands = open(reader, budget)?;
     // The line or record of a command counts twice, because it is written from memory.
     let mut written = budget.empty_reservation();
-    while let Some(command) = commands.next().transpose()? {
+    while let Some(mut command) = commands.next().transpose()? {
+        let name = command.name();
+        let _held = change(&mut command).map_err(|fault| fault.at(commands.place(), name))?;
         written.shrink_to(0);
         written.try_grow(commands.held(), "a command").map_err(|e| commands.over_budget(&e))?;
         out.write(&command)?;

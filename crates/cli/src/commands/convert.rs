@@ -1,10 +1,10 @@
-//! `basrelief convert`: converts a trace between its forms.
+//! `basrelief convert`: converts a trace between its forms. In another folder it holds its texels itself.
 
 use crate::args::ConvertArgs;
 use crate::error::{CommandError, CommandResult};
 use crate::input::TraceFile;
 use crate::outputs::{PartialFile, check_outputs_keep_inputs};
-use basrelief_input::MemoryPool;
+use basrelief_input::{MemoryPool, open_in_folder};
 use basrelief_trace::{self as display_list, TraceForm};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::Path;
@@ -15,9 +15,21 @@ pub fn convert(args: &ConvertArgs, budget: &MemoryPool) -> CommandResult {
     check_outputs_keep_inputs(None, &output, &input).map_err(CommandError::Usage)?;
     let input = TraceFile::open(&args.input)?;
     let failed = CommandError::in_input(&input.name);
+    let moves = is_elsewhere(&input.folder, &args.output);
     to_trace_file(&args.output, |writer, form| {
-        display_list::convert(input.reader, writer, form, budget).map(|_| ()).map_err(failed)
+        let done = if moves {
+            display_list::convert_with_texels(input.reader, writer, form, budget, open_in_folder(&input.folder))
+        } else {
+            display_list::convert(input.reader, writer, form, budget)
+        };
+        done.map(|_| ()).map_err(failed)
     })
+}
+
+/// Returns true if the files of texels that a trace of this folder names are not found from the output.
+fn is_elsewhere(folder: &Path, output: &Path) -> bool {
+    let real = |folder: &Path| if folder.as_os_str().is_empty() { Path::new(".") } else { folder }.canonicalize().ok();
+    output == Path::new("-") || output.parent().is_none_or(|to| real(to) != real(folder))
 }
 
 /// Returns the form that a file name selects.

@@ -231,6 +231,12 @@ fn texels_may_lie_in_a_file_beside_the_trace() {
     assert!(short.to_string().contains("texture.file: holds 15 bytes, expected 16"), "{short}");
     let none = TraceResolver::new(beside.as_slice(), NoFiles, &MemoryPool::default()).unwrap().find_map(Result::err).unwrap();
     assert_eq!((none.kind, none.path.as_str()), (ErrorKind::Io, "texture.file"));
+    let moved = |cut: usize| {
+        let (mut out, form) = (Vec::new(), TraceForm::default());
+        convert_with_texels(beside.as_slice(), &mut out, form, &MemoryPool::default(), files(cut)).map(|_| out)
+    };
+    assert_eq!(moved(0).unwrap(), converted(SAMPLE.as_bytes(), TraceForm::default()));
+    assert_eq!(moved(1).unwrap_err().to_string(), short.to_string());
 }
 
 /// Returns a binary trace in the older form without meshes: the record of each object lacks its last byte.
