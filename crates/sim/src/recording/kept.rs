@@ -11,7 +11,11 @@ pub(crate) struct KeptSteps {
     chunks: Vec<RecordingChunk>,
     /// Bytes that may still be kept; `None` once the run was too long.
     left: Option<usize>,
+    policy: AnalysisPolicy,
+    budget: MemoryPool,
     held: MemoryReservation,
+    /// True if the memory limit ended the collection.
+    lacks_memory: bool,
 }
 
 impl KeptSteps {
@@ -21,24 +25,37 @@ impl KeptSteps {
             AnalysisPolicy::IfShort => SHORT_BYTES,
             AnalysisPolicy::Always => usize::MAX,
         };
-        Some(Self { chunks: vec![], left: Some(left), held: budget.empty_reservation() })
+        let (budget, held) = (budget.clone(), budget.empty_reservation());
+        Some(Self { chunks: vec![], left: Some(left), policy, budget, held, lacks_memory: false })
     }
 
-    /// Keeps a chunk. Drops all chunks if the run is too long for its policy.
+    /// Keeps a chunk. Drops all chunks if the run is too long for its policy. An analysis that nobody asked for must not end a run, so they
+    /// are dropped, too, if they need more memory than they leave.
     ///
     /// # Errors
-    /// The memory limit is exceeded.
+    /// The memory limit is exceeded, and the analysis was asked for.
     pub(crate) fn keep(&mut self, chunk: RecordingChunk) -> Result<(), OverBudget> {
         let bytes = work_bytes(&chunk);
         self.left = self.left.and_then(|left| left.checked_sub(bytes));
         if self.left.is_some() {
-            self.held.try_grow(bytes as u64, "the recorded steps, to find bottlenecks")?;
-            self.chunks.push(chunk);
-        } else {
-            self.chunks = vec![];
+            match self.held.try_grow(bytes as u64, "the recorded steps, to find bottlenecks (--no-bottlenecks needs none)") {
+                Err(over_budget) if self.policy == AnalysisPolicy::Always => return Err(over_budget),
+                grown => self.lacks_memory = grown.is_err(),
+            }
+            self.lacks_memory |= self.policy == AnalysisPolicy::IfShort && self.held.bytes() > self.budget.left();
+        }
+        if self.left.is_none() || self.lacks_memory {
+            (self.left, self.chunks) = (None, vec![]);
             self.held.shrink_to(0);
+        } else {
+            self.chunks.push(chunk);
         }
         Ok(())
+    }
+
+    /// True if steps were dropped because of the memory limit.
+    pub(crate) fn lacks_memory(&self) -> bool {
+        self.lacks_memory
     }
 
     /// Returns all chunks; `None` if the run was too long.

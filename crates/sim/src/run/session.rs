@@ -83,6 +83,8 @@ pub(crate) struct ActiveRun<'a> {
     /// Memory of `rounds`.
     rounds_held: MemoryReservation,
     over_budget: Option<OverBudget>,
+    /// True if there was no memory for an analysis that nobody asked for.
+    lacks_memory: bool,
     /// Names of the memory clients, by number, if memory requests are observed.
     clients: Vec<String>,
     /// Hash of the recording.
@@ -118,6 +120,7 @@ impl<'a> ActiveRun<'a> {
             frames_held: options.budget.empty_reservation(),
             rounds_held: options.budget.empty_reservation(),
             over_budget: None,
+            lacks_memory: false,
             clients: vec![],
             work: WorkHash::default(),
             step_polygons: None,
@@ -156,6 +159,7 @@ impl<'a> ActiveRun<'a> {
         // The last frames come first, so that they are compared while the recording is encoded and the bottlenecks are measured.
         self.take_frames(spec, &mut machine);
         self.take_steps(chunks, &mut kept);
+        self.lacks_memory = kept.as_ref().is_some_and(KeptSteps::lacks_memory);
         let bottlenecks = self.collect_and_analyse(spec, input, report.as_ref(), kept.as_ref());
         if !self.options.aux_outputs.is_empty() {
             let last = machine.last_log().map(|log| (0, log));
@@ -336,8 +340,13 @@ impl<'a> ActiveRun<'a> {
         }
     }
 
-    /// Warns if the user asked for bottlenecks of a run whose work depends on time.
+    /// Warns if there are no bottlenecks although the user asked for them or the run is short.
     fn no_bottlenecks(&self, spec: &impl SimulatedMachine) -> Option<&'static str> {
+        if self.lacks_memory {
+            return Some(
+                "bottlenecks are not analysed, because the recorded steps exceed --memory-limit; raise it, or use --no-bottlenecks",
+            );
+        }
         (self.options.bottlenecks == AnalysisPolicy::Always && spec.acts_at_times()).then_some(
             "bottlenecks are not analysed, because the time at which a view is left decides what the machine does; state numbers of tiles \
              instead (defer.left_at_tile)",

@@ -8,8 +8,8 @@ use basrelief_report::model::OutcomeKind;
 use basrelief_scene::ViewOptions;
 use basrelief_signals::Scene;
 use basrelief_sim::{
-    AnalysisPolicy, MACHINES, MachineConfig, MachineInfo, Observer, Overrides, Recording, RecordingError, ResimulateOptions,
-    RunInput, RunOptions, display_list, input_sha256, resimulate, run, trace_header,
+    AnalysisPolicy, MACHINES, MachineConfig, MachineInfo, NoObserver, Observer, Overrides, Recording, RecordingError,
+    ResimulateOptions, RunInput, RunOptions, display_list, input_sha256, resimulate, run, trace_header,
 };
 use basrelief_threads as threads;
 use proptest::prelude::*;
@@ -280,6 +280,23 @@ fn kept_steps_count_against_the_memory_limit() {
     resimulate(&mut Cursor::new(&recording), &options(AnalysisPolicy::Never)).unwrap();
     let error = resimulate(&mut Cursor::new(&recording), &options(AnalysisPolicy::Always)).unwrap_err();
     assert!(matches!(error, RecordingError::OverBudget(_)), "{error}");
+    let without = resimulate(&mut Cursor::new(&recording), &options(AnalysisPolicy::IfShort)).unwrap();
+    assert!(without.bottlenecks.is_none());
+}
+
+#[test]
+fn analysis_that_nobody_asked_for_ends_no_run() {
+    let machine = &MACHINES[0];
+    let run_with = |bottlenecks, bytes| {
+        let options = RunOptions { bottlenecks, budget: MemoryPool::new(bytes), exact: false, ..RunOptions::default() };
+        run(of_scene(machine), &options, &mut NoObserver, None).map(|run| run.report)
+    };
+    // The least budget of a run leaves no room for its steps.
+    let least = (0..).map(|k| (8 << 10) * k).find(|&bytes| run_with(AnalysisPolicy::Never, bytes).is_ok()).unwrap();
+    assert!(run_with(AnalysisPolicy::Always, least).is_err());
+    let report = run_with(AnalysisPolicy::IfShort, least).unwrap();
+    assert!(report.bottlenecks.is_none());
+    assert!(report.warnings.iter().any(|warning| warning.contains("--memory-limit")), "{:?}", report.warnings);
 }
 
 #[test]
