@@ -159,3 +159,14 @@ fn config_from_pipe_is_read_once_and_recorded() {
     place.ok("resimulate a.recording --out again --quiet");
     assert_eq!(without_host(place.report("again")), without_host(place.report("a")));
 }
+
+#[test]
+fn incomplete_run_names_no_recording_of_an_earlier_run() {
+    let place = Place::new();
+    let run = "run PATCH --size 16x12 --no-exact --recording kept.recording";
+    assert!(place.ok(run).out.contains("kept.recording (--recording)"));
+    let cut = place.run(&format!("{run} --max-cycles 100"));
+    assert_eq!(cut.code(), 1);
+    assert!(!cut.out.contains("kept.recording"), "{}", cut.out);
+    assert!(cut.err.contains("note: kept.recording (--recording) is not written: the run is incomplete"), "{}", cut.err);
+}

@@ -132,7 +132,7 @@ impl<'a> Simulation<'a> {
             }
             watched.finish();
         }
-        self.print_report(&report, &names)
+        self.print_report(&report, &names, recording_is_complete)
     }
 
     /// Refuses outputs that would overwrite a file that the input names.
@@ -153,10 +153,15 @@ impl<'a> Simulation<'a> {
     }
 
     /// Prints the report and decides the outcome of the command.
-    fn print_report(&self, report: &Report, names: &str) -> CommandResult {
+    fn print_report(&self, report: &Report, names: &str, has_recording: bool) -> CommandResult {
+        if let Some(path) = self.args.recording.as_ref().filter(|_| !has_recording) {
+            let why = "the run is incomplete, and a recording holds a whole run";
+            terminal::print_note(&format!("note: {} (--recording) is not written: {why}", path.display()));
+        }
         if !self.is_quiet() {
             show_report(report, &self.args.tables, self.global.text_style())?;
-            let others: Vec<_> = named_outputs(self.args).into_iter().filter(|(_, path)| path.exists()).collect();
+            let is_written = |(option, path): &(&str, &Path)| path.exists() && (has_recording || *option != "--recording");
+            let others: Vec<_> = named_outputs(self.args).into_iter().filter(is_written).collect();
             written_line(Some((&self.args.out, names)), &others).map_or(Ok(()), |line| print(&line))?;
         }
         let message = report.outcome.message.clone().unwrap_or_default();

@@ -5,6 +5,7 @@ use crate::args::VerifyArgs;
 use crate::error::{CommandError, CommandResult, print};
 use crate::global::GlobalOptions;
 use crate::input::TraceFile;
+use crate::interrupt;
 use basrelief_input::{MemoryPool, MemoryReservation, open_in_folder};
 use basrelief_kernel::Engine;
 use basrelief_report::Report;
@@ -25,6 +26,9 @@ pub fn verify(args: &VerifyArgs, global: &GlobalOptions) -> CommandResult {
         let places = args.paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ");
         let expected = "expected .jsonl or .bdl files, or either with .zst appended";
         return Err(CommandError::BadInput(format!("{places}: found no traces; {expected}")));
+    }
+    if args.bless {
+        interrupt::set_message("interrupted; each trace has either new expectations or its old ones");
     }
     let engines = args.engine.map_or(vec![Engine::Timed, Engine::Ticked], |e| vec![e.into()]);
     let (mut wrong, mut failures) = (0, Vec::new());
