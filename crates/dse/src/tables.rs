@@ -130,6 +130,8 @@ fn columns(plan: &Plan, points: &[(PointState, Vec<ReportFigure>)]) -> Vec<Colum
 
 /// Maximum number of printed points of a front, with their ties.
 const MOST_PRINTED: usize = 40;
+/// Maximum number of axes with a column each. Of more axes, a row names those that it changes.
+const MOST_AXES: usize = 12;
 
 /// Returns the Pareto front as a text table. Below each point are its ties, with `=` for its objectives.
 fn front_text(table: &Table) -> String {
@@ -146,7 +148,8 @@ fn front_text(table: &Table) -> String {
             writeln!(text, "Ties: {ties}. A row with `=` equals the point above it in every objective and has no smaller area.");
     }
     let objectives: Vec<usize> = table.objectives().map(|(at, _)| at).collect();
-    let shown: Vec<usize> = objectives.iter().copied().chain(table.axes()).collect();
+    let are_axes_few = table.axes().count() <= MOST_AXES;
+    let shown: Vec<usize> = objectives.iter().copied().chain(table.axes().filter(|_| are_axes_few)).collect();
     let title = |&at: &usize| match table.columns[at].role {
         ColumnRole::Objective(ObjectiveDirection::Min) => format!("{} min", table.columns[at].header()),
         ColumnRole::Objective(ObjectiveDirection::Max) => format!("{} max", table.columns[at].header()),
@@ -160,19 +163,36 @@ fn front_text(table: &Table) -> String {
         let cell = |&at: &usize| {
             if is_tie && objectives.contains(&at) { "=".into() } else { table.rows[row].cells[at].to_string() }
         };
-        shown.iter().map(cell).collect::<Vec<String>>()
+        shown.iter().map(cell).chain((!are_axes_few).then(|| changed_axes(table, row))).collect::<Vec<String>>()
     };
     let all = front.iter().flat_map(|point| {
         std::iter::once(line(point.row, false)).chain(point.ties.iter().map(|tie| line(*tie, true))).collect::<Vec<_>>()
     });
-    let lines: Vec<Vec<String>> = std::iter::once(shown.iter().map(title).collect()).chain(all.take(MOST_PRINTED)).collect();
+    let titles = shown.iter().map(title).chain((!are_axes_few).then(|| "change from the first point".into())).collect();
+    let lines: Vec<Vec<String>> = std::iter::once(titles).chain(all.take(MOST_PRINTED)).collect();
     if points > 0 {
         text += &aligned(&lines);
     }
     if points + ties > MOST_PRINTED {
         let _ = writeln!(text, "... and {} more", points + ties - MOST_PRINTED);
     }
-    text
+    text + &failures(table)
+}
+
+/// Returns the axes of a row whose values differ from those of the first row.
+fn changed_axes(table: &Table, row: usize) -> String {
+    let cells = |at: usize| [0, row].map(|row| &table.rows[row].cells[at]);
+    let changed = table.axes().filter(|&at| cells(at)[0] != cells(at)[1]);
+    let changes: Vec<String> = changed.map(|at| format!("{}={}", table.columns[at].name, cells(at)[1])).collect();
+    if changes.is_empty() { "none".into() } else { changes.join(", ") }
+}
+
+/// Returns a line with the number of failed points and the reason of the first; empty if none failed.
+fn failures(table: &Table) -> String {
+    let failed: Vec<&Row> = table.rows.iter().filter(|row| matches!(row.state, PointState::Failed(_))).collect();
+    failed.first().map_or_else(String::new, |first| {
+        format!("Failed: {}. The first: {} (points/{}/failed.json)\n", failed.len(), first.state.reason(), first.id)
+    })
 }
 
 /// Columns of equal width, to the right.
@@ -186,4 +206,37 @@ fn aligned(lines: &[Vec<String>]) -> String {
         text += &(cells.join("  ") + "\n");
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_axes_are_named_where_they_change() {
+        let column = |name: String, role| Column { name, unit: String::new(), role, what: String::new() };
+        let objective = column("cycles".into(), ColumnRole::Objective(ObjectiveDirection::Min));
+        let axes = (0..=MOST_AXES).map(|axis| column(format!("axis.{axis}"), ColumnRole::Axis));
+        let row = |id: &str, cycles, changed: &[usize]| {
+            let axes = (0..=MOST_AXES).map(|axis| Cell::Whole(changed.contains(&axis).into()));
+            let cells = std::iter::once(Cell::Whole(cycles)).chain(axes).collect();
+            Row { id: id.into(), state: PointState::Ok, cells, picture: None }
+        };
+        let mut rows = vec![row("a", 9, &[]), row("b", 9, &[3, 12]), row("c", 8, &[5])];
+        let table = Table {
+            title: "t".into(),
+            columns: std::iter::once(objective).chain(axes).collect(),
+            rows: rows.clone(),
+            ..Table::default()
+        };
+        let best = "t\n1 of 3 points is Pareto-optimal\ncycles min  change from the first point\n         8                     axis.5=1\n";
+        assert_eq!(front_text(&table), best);
+        rows.truncate(2);
+        rows[1].state = PointState::Failed("deadlock".into());
+        let text = front_text(&Table { rows, ..table });
+        assert!(
+            text.ends_with("         9                         none\nFailed: 1. The first: deadlock (points/b/failed.json)\n"),
+            "{text}"
+        );
+    }
 }

@@ -79,7 +79,8 @@ pub fn counts(
     failed: usize,
 ) -> String {
     let again = if *outdated > 0 { format!("{outdated} of another build of basrelief are run again\n") } else { String::new() };
-    format!("{points} points: {there} reused, {run} run, {retimed} resimulated; {failed} failed\n{again}")
+    let noun = if *points == 1 { "point" } else { "points" };
+    format!("{points} {noun}: {there} reused, {run} run, {retimed} resimulated; {failed} failed\n{again}")
 }
 
 /// Writes the tables and returns a message.
