@@ -139,7 +139,7 @@ impl<W: Write + Seek> TraceSink for FstWaves<W> {
         self.hold(FRAME, number as u64, from, to);
     }
 
-    fn finish(mut self: Box<Self>, end: u64) -> io::Result<()> {
+    fn finish(mut self: Box<Self>, end: u64, _: bool) -> io::Result<()> {
         for number in self.numbers.that_end() {
             if self.ends[number] < end {
                 self.changes.change(number, self.ends[number], 0);

@@ -235,5 +235,5 @@ impl std::io::Seek for UnseekableWriter {
 #[test]
 fn a_pipe_is_refused() {
     let waves = Box::new(FstWaves::new(UnseekableWriter, &board(), &MemoryPool::default()));
-    assert!(waves.finish(1).unwrap_err().to_string().contains("no pipe"));
+    assert!(waves.finish(1, true).unwrap_err().to_string().contains("no pipe"));
 }

@@ -2,8 +2,8 @@
 //!
 //! Lane 0 shows the location of a token: the unit that processes it, then the FIFO in which it waits for the next unit. Lane 1 shows the
 //! stalls of that unit on memory or on a full FIFO. A token that reaches the end of the pixel pipeline is retired. A hidden token is
-//! flushed at the unit that removes it. A token that leaves the shown units or cycles is retired there, because its end is unknown. Its
-//! hover text lists the units with their cycles.
+//! flushed at the unit that removes it. A token that leaves the shown units or cycles, or is in flight at the end of an incomplete run, is
+//! retired there, because its end is unknown. Its hover text lists the units with their cycles.
 //!
 //! The format, Kanata 4, counts cycles forwards only, but events are known token by token. So events are kept until the end.
 
@@ -73,12 +73,13 @@ impl<W: Write> KanataLog<W> {
     }
 
     /// Returns the number of the first token that may still be under way at the end of the shown cycles. Each token before it that does
-    /// not arrive has been removed. Without the last stage, the end of no token is shown.
-    fn first_unfinished(&self, pieces: &[TokenSpan], end: u64) -> u64 {
+    /// not arrive has been removed. If all of a complete run is shown, no token is under way. Without the last stage, the end of no token
+    /// is shown.
+    fn first_unfinished(&self, pieces: &[TokenSpan], is_all: bool) -> u64 {
         if !self.last.is_some_and(|last| self.board.shows(last)) {
             return 0;
         }
-        if end < self.board.to {
+        if is_all {
             return u64::MAX;
         }
         let arrived = pieces.iter().filter(|piece| self.arrives(std::slice::from_ref(piece)));
@@ -144,10 +145,10 @@ impl<W: Write> KanataLog<W> {
         wait_name(&self.board.diagram.stages[stage], of)
     }
 
-    fn write(&mut self, end: u64) -> io::Result<()> {
+    fn write(&mut self, is_all: bool) -> io::Result<()> {
         let mut pieces = std::mem::take(&mut self.pieces);
         pieces.sort_by_key(|piece| (piece.life.number, piece.from, piece.to, piece.stage));
-        let first_unfinished = self.first_unfinished(&pieces, end);
+        let first_unfinished = self.first_unfinished(&pieces, is_all);
         let lives = pieces.chunk_by(|a, b| a.life.number == b.life.number);
         let mut events: Vec<(u64, u64, usize, TokenEvent)> = vec![];
         for life in lives {
@@ -220,8 +221,8 @@ impl<W: Write> TraceSink for KanataLog<W> {
 
     fn frame(&mut self, _: usize, _: u64, _: u64) {}
 
-    fn finish(mut self: Box<Self>, end: u64) -> io::Result<()> {
+    fn finish(mut self: Box<Self>, _: u64, is_all: bool) -> io::Result<()> {
         self.over.take().map_or(Ok(()), Err)?;
-        self.write(end)
+        self.write(is_all)
     }
 }

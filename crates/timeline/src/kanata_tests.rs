@@ -3,7 +3,7 @@
 use crate::samples;
 use crate::*;
 use basrelief_input::{MemoryPool, OverBudget};
-use basrelief_kernel::{Cycle, Engine, Interval, RunLimits, RunReport, StallCause, run_with};
+use basrelief_kernel::{Cycle, Engine, Interval, Outcome, RunLimits, RunReport, StallCause, run_with};
 use basrelief_kernel_conformance::plan::PlanMachine;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -69,11 +69,20 @@ fn run() -> RunReport {
 }
 
 fn written(board: &TimelineLayout, budget: &MemoryPool, tell: impl FnOnce(&mut TimelineProbe<'_>)) -> std::io::Result<String> {
+    written_of(&run(), board, budget, tell)
+}
+
+fn written_of(
+    run: &RunReport,
+    board: &TimelineLayout,
+    budget: &MemoryPool,
+    tell: impl FnOnce(&mut TimelineProbe<'_>),
+) -> std::io::Result<String> {
     let mut bytes = vec![];
     let last = board.diagram.stages.len() - 1;
     let mut watcher = TimelineProbe::new(board.clone(), vec![Box::new(KanataLog::new(&mut bytes, board, Some(last), budget))]);
     tell(&mut watcher);
-    watcher.finish(&run()).into_iter().collect::<std::io::Result<()>>()?;
+    watcher.finish(run).into_iter().collect::<std::io::Result<()>>()?;
     Ok(String::from_utf8(bytes).unwrap())
 }
 
@@ -133,10 +142,10 @@ fn a_token_goes_from_unit_to_unit_and_is_retired_or_flushed() {
     assert_eq!(tokens, [retired, flushed]);
 }
 
-/// Whether each of three tokens is flushed; the second alone reaches the last stage.
-fn flushed(board: &TimelineLayout) -> Vec<bool> {
+/// Whether each of three tokens of a run is flushed; the second alone reaches the last stage.
+fn flushed(run: &RunReport, board: &TimelineLayout) -> Vec<bool> {
     let ([before, last], _) = pair(board);
-    let text = written(board, &MemoryPool::default(), |watcher| {
+    let text = written_of(run, board, &MemoryPool::default(), |watcher| {
         (0..3).for_each(|k| add(watcher, before, None, 2 * k..2 * k + 2, &life(k)));
         add(watcher, last, None, 4..6, &life(1));
     });
@@ -145,13 +154,20 @@ fn flushed(board: &TimelineLayout) -> Vec<bool> {
 
 #[test]
 fn token_that_leaves_the_window_is_not_flushed() {
-    let board = samples::board();
-    assert_eq!(flushed(&board), [true, false, true]);
-    assert_eq!(flushed(&TimelineLayout { to: 8, ..board.clone() }), [true, false, false]);
+    let (run, board) = (run(), samples::board());
+    assert_eq!(flushed(&run, &board), [true, false, true]);
+    assert_eq!(flushed(&run, &TimelineLayout { to: run.total, ..board.clone() }), [true, false, true]);
+    assert_eq!(flushed(&run, &TimelineLayout { to: 8, ..board.clone() }), [true, false, false]);
     let mut first = board.clone();
     let ([before, _], _) = pair(&board);
     first.show_only(&[board.diagram.stages[before].name.clone()]).unwrap();
-    assert_eq!(flushed(&first), [false; 3]);
+    assert_eq!(flushed(&run, &first), [false; 3]);
+}
+
+#[test]
+fn token_in_flight_at_a_limit_is_not_flushed() {
+    let cut = RunReport { outcome: Outcome::Limit, total: 9, ..run() };
+    assert_eq!(flushed(&cut, &samples::board()), [true, false, false]);
 }
 
 #[test]

@@ -249,7 +249,7 @@ impl<W: Write> TraceSink for PerfettoTrace<W> {
         self.named(FRAMES, format!("frame {number}"), from, to);
     }
 
-    fn finish(mut self: Box<Self>, _: u64) -> io::Result<()> {
+    fn finish(mut self: Box<Self>, _: u64, _: bool) -> io::Result<()> {
         self.write_out();
         self.error.map_or(Ok(()), Err)?;
         self.out.flush()

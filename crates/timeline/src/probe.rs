@@ -81,11 +81,11 @@ pub trait TraceSink {
     fn open(&mut self, bank: usize, row: u64, from: u64, to: u64);
     /// A frame, by its number from 1 on, took these cycles.
     fn frame(&mut self, number: usize, from: u64, to: u64);
-    /// Ends the output; the window ends at `end`.
+    /// Ends the output; the shown cycles end at `end`. `is_all`: true if the run is complete and its last cycle is shown.
     ///
     /// # Errors
     /// The first error of the writer.
-    fn finish(self: Box<Self>, end: u64) -> io::Result<()>;
+    fn finish(self: Box<Self>, end: u64, is_all: bool) -> io::Result<()>;
 }
 
 /// Probe that also receives the attribution of each step and each wait.
@@ -155,6 +155,7 @@ impl<'a> TimelineProbe<'a> {
     /// Returns the result of each sink, in order.
     pub fn finish(mut self, run: &RunReport) -> Vec<io::Result<()>> {
         let end = run.total.min(self.board.to);
+        let is_all = run.outcome == Outcome::Complete && end == run.total;
         // Events after the end of an incomplete run are not shown.
         self.board.to = end;
         for stage in 0..self.open.len() {
@@ -184,7 +185,7 @@ impl<'a> TimelineProbe<'a> {
             }
             start = end;
         }
-        self.charts.into_iter().map(|chart| chart.finish(end)).collect()
+        self.charts.into_iter().map(|chart| chart.finish(end, is_all)).collect()
     }
 
     /// The part of these cycles that is shown.

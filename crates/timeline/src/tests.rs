@@ -139,7 +139,7 @@ fn slices_have_one_color_per_cause_and_flows_per_token() {
     for (at, (stage, state)) in (0..).zip(&states) {
         trace.state(*stage, *state, &life(7), at, at + 1);
     }
-    trace.finish(states.len() as u64).unwrap();
+    trace.finish(states.len() as u64, true).unwrap();
     let packets = DecodedTrace::decode(bytes.as_slice()).unwrap().packet;
     let begun =
         packets.into_iter().filter_map(|packet| packet.track_event).filter(|event| event.r#type == Some(proto::SLICE_BEGIN));
@@ -386,5 +386,5 @@ fn memory_is_bounded_and_write_errors_are_reported() {
         timeline.state(0, UnitState::Busy, &StepAttribution::default(), 2 * k, 2 * k + 1);
         assert!(timeline.buffer.capacity() <= 2 * CHUNK);
     }
-    assert_eq!(timeline.finish(u64::MAX).unwrap_err().to_string(), "disk full");
+    assert_eq!(timeline.finish(u64::MAX, true).unwrap_err().to_string(), "disk full");
 }
