@@ -88,7 +88,7 @@ impl MemoryEvent {
 /// Bounds of the events that are settled.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EventBounds {
-    /// The run ends in this cycle at the latest.
+    /// No step starts in this cycle or later, so the run may end in it.
     pub(crate) limit: Cycle,
     /// End of the run; `None` while it goes on.
     pub(crate) end: Option<Cycle>,
@@ -117,7 +117,7 @@ impl Gauge {
 
     /// Emits each change since the last call with the new value, as far as changes are settled, or up to the end.
     pub(crate) fn emit(&mut self, EventBounds { limit, end }: EventBounds, mut emit: impl FnMut(Cycle, usize)) {
-        let until = end.unwrap_or(self.last[0].min(self.last[1])).min(limit);
+        let until = end.unwrap_or_else(|| self.last[0].min(self.last[1]).min(limit));
         while let Some(at) = self.ups.front().into_iter().chain(self.downs.front()).copied().min().filter(|at| *at < until) {
             let now = self.now + take_all(&mut self.ups, at) - take_all(&mut self.downs, at);
             if std::mem::replace(&mut self.now, now) != now {

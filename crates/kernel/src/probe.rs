@@ -53,7 +53,8 @@ pub trait Probe {
     }
     /// Reports that a step occupied stage `stage`.
     fn on_busy(&mut self, stage: usize, from: Cycle, to: Cycle);
-    /// Reports that stage `stage` waited for `cause`.
+    /// Reports that stage `stage` waited for `cause`. Waits after its last step are reported at the end of the run. They end with the
+    /// run.
     fn on_stall(&mut self, stage: usize, cause: StallCause, from: Cycle, to: Cycle);
     /// Reports that FIFO `fifo`, in the order of the wiring by producer, holds `slots` slots from cycle `at` on (law 10). Called
     /// on change, in order of time, with some delay. Before the first call the FIFO holds none.

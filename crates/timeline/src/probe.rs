@@ -150,8 +150,6 @@ impl<'a> TimelineProbe<'a> {
 
     /// Passes on all open events, cut at the end of the run, and the frames.
     ///
-    /// Stalls after the last step of a unit in an incomplete run are in the report only.
-    ///
     /// Returns the result of each sink, in order.
     pub fn finish(mut self, run: &RunReport) -> Vec<io::Result<()>> {
         let end = run.total.min(self.board.to);
@@ -159,13 +157,11 @@ impl<'a> TimelineProbe<'a> {
         // Events after the end of an incomplete run are not shown.
         self.board.to = end;
         for stage in 0..self.open.len() {
-            if let Some((mut last, whose)) = self.open[stage].take() {
-                last.to = last.to.min(Cycle(run.total));
+            if let Some((last, whose)) = self.open[stage].take() {
                 self.show(last, &whose);
-                if run.outcome == Outcome::Complete {
-                    self.state(stage, UnitState::Done, &StepAttribution::default(), last.to.0, run.total);
-                }
             }
+            let done = run.units.get(stage).map_or(0, |unit| unit.account.done);
+            self.state(stage, UnitState::Done, &StepAttribution::default(), run.total.saturating_sub(done), run.total);
         }
         for channel in 0..self.buses.len() {
             self.show_transfer(channel, None);

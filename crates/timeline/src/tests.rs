@@ -5,7 +5,7 @@ use crate::*;
 use basrelief_kernel::{
     CacheCounts, Cycle, Engine, Interval, MemoryEvent, Outcome, Probe, Recorder, RunLimits, RunReport, StallCause, run_with,
 };
-use basrelief_kernel_conformance::plan::PlanMachine;
+use basrelief_kernel_conformance::plan::{Plan, PlanMachine, UnitKind};
 use prost::Message;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -18,15 +18,23 @@ struct DecodedTrace {
 }
 
 fn record(probe: &mut dyn Probe, engine: Engine) -> RunReport {
-    let mut machine = PlanMachine::new(&samples::plan()).unwrap();
-    run_with(&mut machine, engine, Some(probe), RunLimits { max_cycles: u64::MAX, progress: &mut |_| true })
+    record_plan(&samples::plan(), probe, engine, u64::MAX)
+}
+
+fn record_plan(plan: &Plan, probe: &mut dyn Probe, engine: Engine, max_cycles: u64) -> RunReport {
+    let mut machine = PlanMachine::new(plan).unwrap();
+    run_with(&mut machine, engine, Some(probe), RunLimits { max_cycles, progress: &mut |_| true })
 }
 
 /// Report and trace of a run with an engine.
 fn traced(board: &TimelineLayout, engine: Engine) -> (RunReport, Vec<u8>) {
+    traced_plan(&samples::plan(), board, engine, u64::MAX)
+}
+
+fn traced_plan(plan: &Plan, board: &TimelineLayout, engine: Engine, max_cycles: u64) -> (RunReport, Vec<u8>) {
     let mut bytes = vec![];
     let mut watcher = TimelineProbe::new(board.clone(), vec![Box::new(PerfettoTrace::new(&mut bytes, board))]);
-    let run = record(&mut watcher, engine);
+    let run = record_plan(plan, &mut watcher, engine, max_cycles);
     watcher.finish(&run).into_iter().collect::<io::Result<()>>().unwrap();
     (run, bytes)
 }
@@ -177,13 +185,48 @@ fn both_engines_show_the_same_slices_in_every_window() {
 
 #[test]
 fn slices_of_a_unit_sum_to_its_account() {
-    let (run, bytes) = traced(&samples::board(), Engine::Timed);
-    let slices = slices(&bytes);
-    for unit in &run.units {
-        let busy = slices.iter().filter(|s| s.0 == unit.name && s.1 == "busy").map(|s| s.3 - s.2).sum::<u64>();
-        assert_eq!(busy, unit.account.busy, "{}", unit.name);
-        assert_eq!(slices.iter().filter(|s| s.0 == unit.name).map(|s| s.3 - s.2).sum::<u64>(), run.total, "{}", unit.name);
+    sums_equal_accounts(&samples::plan(), u64::MAX);
+}
+
+#[test]
+fn unit_without_a_step_has_slices() {
+    let mut plan = samples::plan();
+    plan.units[0].kind = UnitKind::Source { tokens: 0 };
+    let run = sums_equal_accounts(&plan, u64::MAX);
+    assert!(run.outcome == Outcome::Complete && run.units[1].account.starved[0] > 0 && run.units[0].account.done > 0);
+}
+
+#[test]
+fn cut_run_has_slices_to_its_end() {
+    let total = samples::run().total;
+    for max_cycles in (1..total).step_by(7) {
+        assert_eq!(sums_equal_accounts(&samples::plan(), max_cycles).outcome, Outcome::Limit);
     }
+}
+
+/// Checks that the slices of each unit sum to its account, and returns the report.
+fn sums_equal_accounts(plan: &Plan, max_cycles: u64) -> RunReport {
+    let (run, bytes) = traced_plan(plan, &samples::board(), Engine::Timed, max_cycles);
+    let mut sums = BTreeMap::new();
+    for (unit, state, from, to) in slices(&bytes).into_iter().filter(|(track, ..)| track != "frames") {
+        *sums.entry((unit, state)).or_insert(0) += to - from;
+    }
+    let mut expected = BTreeMap::new();
+    for unit in &run.units {
+        let account = &unit.account;
+        let named = |cause: &str, names: &[String], cycles: &[u64]| -> Vec<(String, u64)> {
+            names.iter().zip(cycles).map(|(name, cycles)| (format!("{cause}: {name}"), *cycles)).collect()
+        };
+        let waits = [
+            named("starved", &unit.inputs, &account.starved),
+            named("blocked", &unit.outputs, &account.blocked),
+            named("memory", &unit.clients, &account.memory),
+        ];
+        let all = waits.concat().into_iter().chain([("busy".into(), account.busy), ("done".into(), account.done)]);
+        expected.extend(all.filter(|(_, cycles)| *cycles > 0).map(|(state, cycles)| ((unit.name.clone(), state), cycles)));
+    }
+    assert_eq!(sums, expected, "limit {max_cycles}");
+    run
 }
 
 #[test]
@@ -272,7 +315,7 @@ fn slices_carry_attribution_and_end_with_it() {
 #[test]
 fn frames_have_a_track_of_their_own() {
     let mut run = samples::run();
-    run.marks = vec![30, 12];
+    (run.marks, run.units) = (vec![30, 12], vec![]);
     let frame = |name: &str, from, to| ("frames".to_owned(), name.to_owned(), from, to);
     assert_eq!(slices(&told(&samples::board(), &run, |_| ())), [frame("frame 1", 0, 30), frame("frame 2", 30, 42)]);
     assert_eq!(slices(&told(&window(), &run, |_| ())), [frame("frame 1", 17, 30), frame("frame 2", 30, 41)]);
@@ -281,7 +324,7 @@ fn frames_have_a_track_of_their_own() {
 #[test]
 fn slices_end_with_an_incomplete_run() {
     let mut run = samples::run();
-    (run.total, run.outcome) = (10, Outcome::Limit);
+    (run.total, run.outcome, run.units) = (10, Outcome::Limit, vec![]);
     let bytes = told(&samples::board(), &run, |watcher| {
         watcher.on_busy(0, Cycle(4), Cycle(90));
         watcher.on_busy(1, Cycle(10), Cycle(11));

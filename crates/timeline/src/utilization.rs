@@ -29,8 +29,8 @@ impl UtilizationTimeline {
         self.width
     }
 
-    /// Returns the columns of each unit, in the order of the netlist: cycles busy, stalled on memory, starved, blocked. The rest of the
-    /// width of a column is idle after the last step. Units may have different numbers of columns.
+    /// Returns the columns of each unit, in the order of the netlist: cycles busy, stalled on memory, starved, blocked. In the rest of the
+    /// width of a column the unit is done, or the run is over. Units may have different numbers of columns.
     pub fn units(&self) -> &[Vec<[u64; STATES]>] {
         &self.units
     }

@@ -2,7 +2,10 @@
 
 use crate::common::random::{GraphPart, recipe, tight_recipe};
 use crate::common::{machine, report, run_both, sink_tokens};
-use basrelief_kernel::{CacheCounts, Deadlock, Engine, MemoryEvent, Outcome, Recorder, RunLimits, RunReport, run, run_with};
+use basrelief_kernel::{
+    CacheCounts, CycleAccount, Deadlock, Engine, Interval, MemoryEvent, Outcome, Recorder, RunLimits, RunReport, UnitReport, run,
+    run_with,
+};
 use basrelief_kernel_conformance::plan::{Plan, PlanMachine, PlanMemory, Token, result};
 use proptest::prelude::*;
 
@@ -118,7 +121,7 @@ proptest! {
                 busy += if interval.cause.is_none() { at - interval.from.0 } else { 0 };
             }
             prop_assert_eq!(busy, unit.account.busy);
-            prop_assert!(at <= report.total, "{} ends after the run", &unit.name);
+            prop_assert_eq!(at + unit.account.done, report.total, "{}", &unit.name);
         }
     }
 }
@@ -194,7 +197,7 @@ proptest! {
         // Tests every limit of a short run, and about 64 limits of a long run, different ones in each case.
         let stride = whole.total / 64 + 1;
         for max_cycles in (first % stride..whole.total + 3).step_by(stride as usize) {
-            let (cut, _) = run_both(&plan, max_cycles);
+            let (cut, seen) = run_both(&plan, max_cycles);
             // Without a probe, memories serve runs of reads at once.
             prop_assert_eq!(&silent(&plan, Engine::Timed, max_cycles), &cut);
             prop_assert_eq!(&silent(&plan, Engine::Ticked, max_cycles), &cut);
@@ -205,8 +208,22 @@ proptest! {
             for unit in &cut.units {
                 prop_assert_eq!(unit.account.total(), cut.total, "{}", &unit.name);
             }
+            for (stage, unit) in cut.units.iter().enumerate() {
+                let intervals = seen.stages.get(stage).map_or(&[][..], Vec::as_slice);
+                prop_assert_eq!(&reported_account(intervals, unit), &unit.account, "{}", &unit.name);
+            }
         }
     }
+}
+
+/// Returns the account of a unit with the waits that were reported to a probe.
+fn reported_account(intervals: &[Interval], unit: &UnitReport) -> CycleAccount {
+    let CycleAccount { busy, done, .. } = unit.account;
+    let mut account = CycleAccount { busy, done, ..CycleAccount::default() };
+    for Interval { cause, from, to, .. } in intervals {
+        cause.iter().for_each(|cause| account.charge(*cause, to.since(*from)));
+    }
+    account
 }
 
 /// Returns the report of a run without a probe.

@@ -105,7 +105,11 @@ fn run_on<M: Machine>(
         time.keep_fills(probe);
     }
     let halt = engine(machine, &mut time, probe.as_mut().map(|probe| &mut **probe as &mut dyn Probe));
-    let report = time.finalize(&unit_states(machine), halt);
+    let mut observer: &mut dyn Probe = match &mut probe {
+        Some(probe) => &mut **probe,
+        None => &mut NoProbe,
+    };
+    let report = time.finalize(&unit_states(machine), halt, &mut observer);
     if let Some(mut probe) = probe {
         time.show_fills(&mut probe, Some(Cycle(report.total)));
         if probe.reads_wires() {

@@ -53,7 +53,7 @@ pub fn time_steps(
     if let (Some((mut writer, keep)), StopReason::Quiet) = (recording, &halt) {
         keep(writer.finish_chunk(unit_states.clone(), true));
     }
-    time.finalize(&unit_states, halt)
+    time.finalize(&unit_states, halt, &mut NoProbe)
 }
 
 fn compute_times<'a>(

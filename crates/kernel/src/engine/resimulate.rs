@@ -306,7 +306,7 @@ fn timed_again<P: Probe>(
         empty: reader.is_empty() && !reader.has_step(),
     };
     let unit_states: Vec<FinalUnitState> = readers.iter().map(rest).collect();
-    let report = time.finalize(&unit_states, halt);
+    let report = time.finalize(&unit_states, halt, probe);
     time.show_fills(probe, Some(Cycle(report.total)));
     let (ResimulationGoal::Path { memory, groups, .. }, Some(tracer)) = (wanted, path) else { return Ok((report, None)) };
     let is_complete = report.outcome == Outcome::Complete;

@@ -1,11 +1,11 @@
 //! The end of a run: outcome, totals and reports.
 
-use super::{FifoTiming, MachineTiming, StageClock};
+use super::{FifoTiming, MachineTiming, StageClock, charge};
 use crate::netlist::{FifoSpec, StageInfo};
 use crate::outcome::{BlockedUnit, Deadlock, FifoLevel, Outcome, WaitsFor, circle};
 use crate::port::Port;
 use crate::report::{CacheReport, FifoReport, MemoryReport, PeriodicCounts, PortReport, RunReport, UnitReport};
-use crate::{Cycle, Demand, MemorySystem, StallCause};
+use crate::{Cycle, Demand, MemorySystem, Probe, StallCause};
 
 /// The reason that an engine stopped.
 pub(crate) enum StopReason {
@@ -29,8 +29,9 @@ pub(crate) struct FinalUnitState {
 }
 
 impl MachineTiming {
-    /// Ends a run and returns its report. `unit_states`: final state of each unit.
-    pub(crate) fn finalize(&mut self, unit_states: &[FinalUnitState], halt: StopReason) -> RunReport {
+    /// Ends a run and returns its report. The probe receives the waits after the last step of each stage. `unit_states`: final state of
+    /// each unit.
+    pub(crate) fn finalize<P: Probe>(&mut self, unit_states: &[FinalUnitState], halt: StopReason, probe: &mut P) -> RunReport {
         let quiet_total = self.known_total();
         let (complete, total) = match halt {
             StopReason::Quiet => (self.is_done(unit_states), quiet_total.max(1)),
@@ -42,7 +43,7 @@ impl MachineTiming {
         let mut waits = Vec::new();
         let units = (0..self.stages.len())
             .map(|stage| {
-                let (unit, held_by) = self.unit_report(stage, unit_states[stage].demand, complete, Cycle(total));
+                let (unit, held_by) = self.unit_report(stage, unit_states[stage].demand, complete, Cycle(total), probe);
                 waits.push(held_by.as_ref().and_then(|(_, on)| *on));
                 stuck.extend(held_by.map(|(waits_for, _)| BlockedUnit { unit: unit.name.clone(), waits_for }));
                 unit
@@ -87,17 +88,24 @@ impl MachineTiming {
     }
 
     /// Returns the report of a unit, and the resource that blocks it for ever with the stage that could provide it.
-    fn unit_report(&self, stage: usize, demand: Demand, complete: bool, total: Cycle) -> (UnitReport, Option<HeldBy>) {
+    fn unit_report<P: Probe>(
+        &self,
+        stage: usize,
+        demand: Demand,
+        complete: bool,
+        total: Cycle,
+        probe: &mut P,
+    ) -> (UnitReport, Option<HeldBy>) {
         let clock = &self.stages[stage];
         let StageClock { free, steps, busy, .. } = clock;
         let mut account = self.accounts[stage].clone();
         account.busy = busy - free.since(total);
         let mut held_by = None;
         if demand == Demand::Finished || (complete && *steps > 0) {
-            clock.block.split(*free, total, &mut |wait| account.charge(wait.cause, wait.to.since(wait.from)));
+            clock.block.split(*free, total, &mut |wait| charge(&mut account, probe, stage, wait));
             account.done += total.since(clock.released());
         } else {
-            self.split_wait(stage, demand, *free..total, |wait| account.charge(wait.cause, wait.to.since(wait.from)));
+            self.split_wait(stage, demand, *free..total, |wait| charge(&mut account, probe, stage, wait));
             // A unit that was busy until the end waits for it, too.
             self.split_wait(stage, demand, *free..Cycle::UNKNOWN, |wait| held_by = Some(wait.cause));
         }
