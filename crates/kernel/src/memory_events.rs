@@ -173,7 +173,7 @@ impl ChannelEvents {
     }
 
     /// Emits the events since the last call, and of bursts only those that have moved their data by `settled`. At the end of a run it
-    /// includes all bursts, and the rows that are `left` open, each until its next refresh.
+    /// includes all bursts, and the rows that are `left` open, each until its next refresh. Events are cut at the end.
     pub(crate) fn emit(
         &mut self,
         [memory, channel]: [usize; 2],
@@ -182,21 +182,26 @@ impl ChannelEvents {
         bounds: EventBounds,
         mut emit: impl FnMut(MemoryEvent),
     ) {
-        // The last bursts of a periodic client may move data beyond the end of the run.
-        let settled_bursts = self.moved.partition_point(|(_, _, to)| *to <= settled);
-        let bursts = if bounds.end.is_some() { self.moved.len() } else { settled_bursts };
+        let EventBounds { limit, end } = bounds;
+        // Bursts and rows that may last beyond the end of the run wait until the end is known.
+        let (bursts_until, rows_until) = end.map_or((settled.min(limit), limit), |_| (Cycle::UNKNOWN, Cycle::UNKNOWN));
+        let end_or = |to: Cycle| to.min(end.unwrap_or(to));
+        let bursts = self.moved.partition_point(|(_, _, to)| *to <= bursts_until);
         for (burst, from, to) in self.moved.drain(..bursts) {
-            let to = to.min(bounds.end.unwrap_or(to).max(settled));
+            let to = end_or(to);
             if from < to {
                 emit(MemoryEvent::Moved { memory, channel, client: burst.client as usize, write: burst.write, from, to });
             }
         }
-        if let Some(end) = bounds.end {
+        if end.is_some() {
             let opened = &self.opened;
-            self.closed.extend(left.map(|(bank, row, until)| OpenRow { bank, row, from: opened[bank], to: until.min(end) }));
+            self.closed.extend(left.map(|(bank, row, until)| OpenRow { bank, row, from: opened[bank], to: until }));
         }
-        for OpenRow { bank, row, from, to } in self.closed.drain(..) {
-            emit(MemoryEvent::Open { memory, channel, bank, row, from, to });
+        for OpenRow { bank, row, from, to } in self.closed.extract_if(.., |row| row.to <= rows_until) {
+            let to = end_or(to);
+            if from <= to {
+                emit(MemoryEvent::Open { memory, channel, bank, row, from, to });
+            }
         }
         self.queue.emit(bounds, |at, bursts| emit(MemoryEvent::Queued { memory, channel, at, bursts }));
     }
@@ -267,6 +272,17 @@ mod tests {
         assert_eq!(reported, [(0, 1), (2, 2)], "one up and one down in cycle 5; nothing in cycle 9, where the run ends");
         level.emit(until(Some(Cycle(10))), |at, n| reported.push((at.0, n)));
         assert_eq!(reported, [(0, 1), (2, 2), (9, 1)]);
+    }
+
+    #[test]
+    fn gauge_emits_changes_from_the_limit_on_at_the_end() {
+        let (mut level, mut reported) = (Gauge::default(), vec![]);
+        [1, 9].into_iter().for_each(|at| level.up(Cycle(at)));
+        level.down(Cycle(7));
+        level.emit(EventBounds { limit: Cycle(5), end: None }, |at, n| reported.push((at.0, n)));
+        assert_eq!(reported, [(1, 1)]);
+        level.emit(EventBounds { limit: Cycle(5), end: Some(Cycle(8)) }, |at, n| reported.push((at.0, n)));
+        assert_eq!(reported, [(1, 1), (7, 0)], "the last step may run beyond the limit");
     }
 
     #[test]

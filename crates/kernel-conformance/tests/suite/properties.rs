@@ -212,6 +212,8 @@ proptest! {
                 let intervals = seen.stages.get(stage).map_or(&[][..], Vec::as_slice);
                 prop_assert_eq!(&reported_account(intervals, unit), &unit.account, "{}", &unit.name);
             }
+            let late = seen.memories.values().flatten().find(|event| event_end(event) > cut.total);
+            prop_assert_eq!(late, None, "the run ends in {}", cut.total);
         }
     }
 }
@@ -235,6 +237,14 @@ fn silent(plan: &Plan, engine: Engine, max_cycles: u64) -> RunReport {
 fn moves_no_data_for_units(plan: &Plan, name: &str) -> bool {
     let is_flips = |memory: &PlanMemory| memory.ports.iter().any(|port| port.name == name && port.flips.is_some());
     plan.memories.iter().any(|memory| is_flips(memory) || memory.periodic.iter().any(|periodic| periodic.name == name))
+}
+
+/// Returns the end of an interval, or the cycle of a change.
+fn event_end(event: &MemoryEvent) -> u64 {
+    match event {
+        MemoryEvent::Moved { to, .. } | MemoryEvent::Open { to, .. } => to.0,
+        MemoryEvent::Queued { at, .. } | MemoryEvent::InFlight { at, .. } | MemoryEvent::LookedUp { at, .. } => at.0,
+    }
 }
 
 /// Returns start and end of each interval reported for a source.
