@@ -18,7 +18,7 @@ pub trait Probe {
     fn reads_labels(&self) -> bool {
         false
     }
-    /// Returns true if the probe reads FIFO levels and memory events. Asked before the first step.
+    /// Returns true if the probe reads FIFO levels, visible tokens and memory events. Asked before the first step.
     fn reads_levels(&self) -> bool {
         true
     }
@@ -60,6 +60,11 @@ pub trait Probe {
     /// on change, in order of time, with some delay. Before the first call the FIFO holds none.
     fn on_occupancy(&mut self, fifo: usize, at: Cycle, slots: usize) {
         _ = (fifo, at, slots);
+    }
+    /// Reports that `tokens` tokens of FIFO `fifo` are visible from cycle `at` on. A token is visible until the cycle of its pop,
+    /// inclusive. Called on change, in order of time, with some delay. Before the first call no token is visible.
+    fn on_visible_count(&mut self, fifo: usize, at: Cycle, tokens: usize) {
+        _ = (fifo, at, tokens);
     }
     /// Reports an event of a memory or of one of its clients, with some delay. Events of one [source](MemoryEvent::source) come
     /// in order of time.
@@ -183,6 +188,9 @@ impl<P: Probe + ?Sized> Probe for &mut P {
     fn on_occupancy(&mut self, fifo: usize, at: Cycle, slots: usize) {
         (**self).on_occupancy(fifo, at, slots);
     }
+    fn on_visible_count(&mut self, fifo: usize, at: Cycle, tokens: usize) {
+        (**self).on_visible_count(fifo, at, tokens);
+    }
     fn on_memory_event(&mut self, event: MemoryEvent) {
         (**self).on_memory_event(event);
     }
@@ -208,6 +216,8 @@ pub struct Recorder {
     pub stages: Vec<Vec<Interval>>,
     /// By FIFO: number of slots in use from each cycle on.
     pub fifos: Vec<Vec<(Cycle, usize)>>,
+    /// By FIFO: number of visible tokens from each cycle on.
+    pub visible: Vec<Vec<(Cycle, usize)>>,
     /// Memory events, by source.
     pub memories: BTreeMap<[usize; 4], Vec<MemoryEvent>>,
 }
@@ -231,6 +241,9 @@ impl Probe for Recorder {
     }
     fn on_occupancy(&mut self, fifo: usize, at: Cycle, slots: usize) {
         list_of(&mut self.fifos, fifo).push((at, slots));
+    }
+    fn on_visible_count(&mut self, fifo: usize, at: Cycle, tokens: usize) {
+        list_of(&mut self.visible, fifo).push((at, tokens));
     }
     fn on_memory_event(&mut self, event: MemoryEvent) {
         self.memories.entry(event.source()).or_default().push(event);

@@ -4,14 +4,14 @@
 //! |---|---|
 //! | the machine | `frame`, the number of the frame, 0 behind the last |
 //! | a unit, with its numeral | `busy`, `starved`, `blocked`, `memory`, `done`: one of them is 1 |
-//! | a FIFO | `fill`, the occupied slots; `ready`, a slot is free; `valid`, a slot is occupied and the consumer does not starve |
+//! | a FIFO | `fill`, the occupied slots; `ready`, a slot is free; `valid`, a token is visible |
 //! | a channel of a memory | `queue`, `bytes_per_cycle`, `bus_use`; `bus`, it moves data; `client` and `write` of the transfer |
 //! | a bank in it | `open`, and its `row` |
 //! | a client | `credits`, the remaining credits |
 //! | a cache | `hit_rate` |
 //!
 //! Each state is a wire of one bit: FST has named states, but the library that writes it has not, and a number is hard to read. `valid`
-//! is derived: the probe does not receive the cycle in which a token becomes visible, but a starving consumer shows that none is.
+//! is 1 from the cycle in which a token becomes visible to the cycle of its pop. `fill` also counts reserved slots.
 //!
 //! FST is written in order of time, and events of one unit may be far ahead of another. So [`FstWaves`] keeps all changes within a memory
 //! limit, in about three bytes each, and writes at the end of the run. A temporary file to sort them in was rejected: it needs a file
@@ -77,13 +77,12 @@ impl<W: Write + Seek> FstWaves<W> {
             file_type: FstFileType::Verilog,
         };
         let mut header = FstHeaderWriter::new(out, &info)?;
-        let mut signals = SignalTable::declare(&mut header, &board, &numbers)?;
+        let signals = SignalTable::declare(&mut header, &board, &numbers)?;
         let mut body = header.finish()?;
         let mut now = board.from;
         body.time_change(scale.at(now))?;
         for (at, number, new) in changes.in_order().map_err(io::Error::from)? {
             if at > now {
-                signals.settle(&mut body)?;
                 // Not at once: the library would lose values that hold from the start.
                 if now > board.from && body.size() > section {
                     body.flush()?;
@@ -93,7 +92,6 @@ impl<W: Write + Seek> FstWaves<W> {
             }
             signals.change(&mut body, number, new)?;
         }
-        signals.settle(&mut body)?;
         body.time_change(scale.at(end.max(now)))?;
         let mut out = body.finish()?;
         // The library writes 0, so that GTKWave would open at cycle 0 instead of the first shown cycle.

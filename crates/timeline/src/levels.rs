@@ -54,7 +54,8 @@ impl CounterInfo {
     }
 }
 
-/// All levels of a machine: one per FIFO, in order; three per channel, one per client, and one more per client, for its cache.
+/// All levels of a machine: one per FIFO, in order; three per channel, one per client, one more per client, for its cache, and one more
+/// per FIFO, for its visible tokens.
 #[derive(Clone, Debug)]
 pub struct CounterList {
     /// The channels of all memories, in order.
@@ -106,6 +107,10 @@ impl CounterList {
                 (client.cache.clone().unwrap_or_default(), client.cache.is_some() && board.shows_client(number));
             all.push(CounterInfo::rate(format!("cache {name}"), "hit rate", "%", is_shown));
         }
+        for (number, fifo) in diagram.fifos.iter().enumerate() {
+            let valid = CounterInfo::new(fifo.name.clone(), "valid", "", board.shows_fifo(number));
+            all.push(CounterInfo { most: 1, ..valid });
+        }
         Self { channels, banks, all, first_channels, of_channels, of_clients, clients: diagram.clients.len() }
     }
 
@@ -127,5 +132,10 @@ impl CounterList {
     /// Number of the level of the hit rate of a client's cache.
     pub fn hit_rate(&self, client: usize) -> usize {
         self.of_clients + self.clients + client
+    }
+
+    /// Number of the level of a FIFO that is 1 while a token is visible. Only waves show it.
+    pub fn valid(&self, fifo: usize) -> usize {
+        self.of_clients + 2 * self.clients + fifo
     }
 }

@@ -97,6 +97,8 @@ pub struct PerfettoTrace<W> {
     first_level: u64,
     first_bus: u64,
     first_bank: u64,
+    /// Number of levels that have a track.
+    levels: usize,
     /// Banks that may have a track: names, and whether they have.
     banks: Vec<(String, bool)>,
     error: Option<io::Error>,
@@ -130,6 +132,7 @@ impl<W: Write> PerfettoTrace<W> {
             first_level,
             first_bus,
             first_bank,
+            levels: levels.valid(0),
             banks,
             error: None,
         };
@@ -150,7 +153,7 @@ impl<W: Write> PerfettoTrace<W> {
         self.track(TrackDescriptor { child_ordering: Some(proto::EXPLICIT_ORDER), ..track(MACHINE, &machine) });
         let units = (0..self.slices.len()).filter(|&s| board.shows(s)).map(|s| (FIRST_UNIT + s as u64, board.name(s)));
         let units = std::iter::once((FRAMES, "frames".to_owned())).chain(units).map(|(uuid, name)| (uuid, name, None));
-        let counters = (self.first_level..).zip(&levels.all).filter(|(_, level)| level.is_shown);
+        let counters = (self.first_level..).zip(&levels.all[..self.levels]).filter(|(_, level)| level.is_shown);
         let counters = counters.map(|(uuid, level)| (uuid, name_of(level), Some(level.unit)));
         let buses = (self.first_bus..).zip(&levels.channels).filter(|(_, channel)| channel.is_shown);
         let buses = buses.map(|(uuid, channel)| (uuid, format!("{}: bus", channel.name), None));
@@ -218,6 +221,9 @@ impl<W: Write> TraceSink for PerfettoTrace<W> {
     }
 
     fn level(&mut self, level: usize, at: u64, value: CounterValue) {
+        if level >= self.levels {
+            return;
+        }
         let (counter_value, double_counter_value) = match value {
             CounterValue::Count(count) => (i64::try_from(count).ok(), None),
             CounterValue::Real(real) => (None, Some(real)),

@@ -312,6 +312,10 @@ impl Probe for TimelineProbe<'_> {
         self.hold(fifo, at.0, Some(CounterValue::Count(slots as u64)));
     }
 
+    fn on_visible_count(&mut self, fifo: usize, at: Cycle, tokens: usize) {
+        self.hold(self.numbers.valid(fifo), at.0, Some(CounterValue::Count(u64::from(tokens > 0))));
+    }
+
     fn on_memory_event(&mut self, event: MemoryEvent) {
         match event {
             MemoryEvent::Moved { memory, channel, client, write, from, to } => {

@@ -1,7 +1,7 @@
 //! Signals of the wave file, and their values.
 
 use crate::layout::TimelineLayout;
-use crate::levels::{CounterList, CounterValue};
+use crate::levels::{CounterInfo, CounterList, CounterValue};
 use fst_writer::{
     FstBodyWriter, FstHeaderWriter, FstScopeType, FstSignalId, FstSignalType, FstVarDirection, FstVarType, FstWriteError,
 };
@@ -94,33 +94,13 @@ enum ValueWires {
     Bus([NumberSignal; 3]),
     /// Open flag and row of a bank.
     Bank([NumberSignal; 2]),
-    /// Wires of a FIFO.
-    Fifo(FifoWires),
-}
-
-/// Signals of a FIFO, and the values that they derive from.
-#[derive(Clone, Copy, Debug)]
-struct FifoWires {
-    fill: NumberSignal,
-    valid: NumberSignal,
-    ready: NumberSignal,
-    depth: u64,
-    held: u64,
-    /// The unit that takes from it waits for it.
-    starves: bool,
-    changed: bool,
+    /// Occupied slots of a FIFO, the flag of a free slot, and the depth.
+    Fill([NumberSignal; 2], u64),
 }
 
 /// All signals, by the numbers of the values that they show.
 pub(crate) struct SignalTable {
     wires: Vec<ValueWires>,
-    numbers: SignalNumbers,
-    /// The state of each stage.
-    states: Vec<u64>,
-    /// Numbers of each stage's input FIFOs.
-    inputs: Vec<Vec<usize>>,
-    /// FIFOs that have changed in this cycle.
-    changed: Vec<usize>,
 }
 
 impl SignalTable {
@@ -135,31 +115,32 @@ impl SignalTable {
             for stage in (0..board.diagram.stages.len()).filter(|&stage| board.shows(stage)) {
                 wires[numbers.first_stage + stage] = declare_states(header, &board.name(stage))?;
             }
-            let of_channels = levels.queue(0)..levels.credits(0);
-            for (number, level) in
-                levels.all.iter().enumerate().filter(|(number, level)| level.is_shown && !of_channels.contains(number))
-            {
-                let wires = &mut wires[numbers.first_level + number];
+            let of_level = &mut wires[numbers.first_level..];
+            for fifo in (0..board.diagram.fifos.len()).filter(|&fifo| levels.all[fifo].is_shown) {
+                [of_level[fifo], of_level[levels.valid(fifo)]] = declare_fifo(header, &levels.all[fifo])?;
+            }
+            for number in (levels.credits(0)..levels.valid(0)).filter(|&number| levels.all[number].is_shown) {
+                let level = &levels.all[number];
                 within(header, &level.of, |header| {
-                    *wires = if level.what == "fill" { declare_fifo(header, level.most)? } else { declare_level(header, level)? };
+                    of_level[number] = declare_level(header, level)?;
                     Ok(())
                 })?;
             }
             declare_channels(header, board, &levels, numbers, &mut wires)
         })?;
-        let diagram = &board.diagram;
-        let number = |name: &String| diagram.fifos.iter().position(|fifo| fifo.name == *name).unwrap_or(usize::MAX);
-        let inputs = diagram.stages.iter().map(|stage| stage.inputs.iter().map(number).collect()).collect();
-        Ok(Self { wires, numbers: *numbers, states: vec![0; diagram.stages.len()], inputs, changed: vec![] })
+        Ok(Self { wires })
     }
 
     /// A value changes.
-    pub(crate) fn change<W: Write + Seek>(&mut self, body: &mut FstBody<W>, number: usize, new: u64) -> FstResult {
+    pub(crate) fn change<W: Write + Seek>(&self, body: &mut FstBody<W>, number: usize, new: u64) -> FstResult {
         match self.wires[number] {
             ValueWires::None => Ok(()),
             ValueWires::Number(wire) => wire.set(body, new),
             ValueWires::Real(id) => body.signal_change(id, &f64::from_bits(new).to_le_bytes()),
-            ValueWires::State(wires) => self.change_state(body, number - self.numbers.first_stage, &wires, new),
+            ValueWires::State(wires) => {
+                let one = wire_of(new);
+                wires.iter().enumerate().try_for_each(|(wire, signal)| signal.set(body, u64::from(one == Some(wire))))
+            }
             ValueWires::Bus([bus, client, write]) => {
                 let transfer = new.saturating_sub(1);
                 bus.set(body, u64::from(new > 0))?;
@@ -170,53 +151,11 @@ impl SignalTable {
                 open.set(body, u64::from(new > 0))?;
                 row.set(body, new.saturating_sub(1))
             }
-            ValueWires::Fifo(_) => {
-                self.change_fifo(number - self.numbers.first_level, |wires| wires.held = new);
-                Ok(())
+            ValueWires::Fill([fill, ready], depth) => {
+                fill.set(body, new)?;
+                ready.set(body, u64::from(new < depth))
             }
         }
-    }
-
-    fn change_state<W: Write + Seek>(
-        &mut self,
-        body: &mut FstBody<W>,
-        stage: usize,
-        wires: &[NumberSignal],
-        new: u64,
-    ) -> FstResult {
-        let one = wire_of(new);
-        for (number, wire) in wires.iter().enumerate() {
-            wire.set(body, u64::from(one == Some(number)))?;
-        }
-        let old = std::mem::replace(&mut self.states[stage], new);
-        for (state, starves) in [(old, false), (new, true)] {
-            if wire_of(state) == Some(1) {
-                let input = self.inputs[stage][(state - FIRST_WAIT) as usize / 3];
-                self.change_fifo(input, |wires| wires.starves = starves);
-            }
-        }
-        Ok(())
-    }
-
-    fn change_fifo(&mut self, fifo: usize, change: impl FnOnce(&mut FifoWires)) {
-        let number = self.numbers.first_level + fifo;
-        let Some(ValueWires::Fifo(wires)) = self.wires.get_mut(number) else { return };
-        change(wires);
-        if !std::mem::replace(&mut wires.changed, true) {
-            self.changed.push(number);
-        }
-    }
-
-    /// Writes the signals that derive from all changes of a cycle.
-    pub(crate) fn settle<W: Write + Seek>(&mut self, body: &mut FstBody<W>) -> FstResult {
-        for number in self.changed.drain(..) {
-            let ValueWires::Fifo(wires) = &mut self.wires[number] else { continue };
-            wires.changed = false;
-            wires.fill.set(body, wires.held)?;
-            wires.valid.set(body, u64::from(wires.held > 0 && !wires.starves))?;
-            wires.ready.set(body, u64::from(wires.held < wires.depth))?;
-        }
-        Ok(())
     }
 }
 
@@ -240,12 +179,18 @@ fn declare_states<W: Write + Seek>(header: &mut FstHeader<W>, name: &str) -> Fst
     Ok(wires)
 }
 
-fn declare_fifo<W: Write + Seek>(header: &mut FstHeader<W>, depth: u64) -> FstResult<ValueWires> {
-    let [fill, valid, ready] = all(header, [("fill", depth), ("valid", 1), ("ready", 1)])?;
-    Ok(ValueWires::Fifo(FifoWires { fill, valid, ready, depth, held: 0, starves: false, changed: false }))
+/// Declares the signals of a FIFO. Returns those of its fill level and of its visible tokens.
+fn declare_fifo<W: Write + Seek>(header: &mut FstHeader<W>, level: &CounterInfo) -> FstResult<[ValueWires; 2]> {
+    let mut wires = [ValueWires::None; 2];
+    within(header, &level.of, |header| {
+        let [fill, valid, ready] = all(header, [("fill", level.most), ("valid", 1), ("ready", 1)])?;
+        wires = [ValueWires::Fill([fill, ready], level.most), ValueWires::Number(valid)];
+        Ok(())
+    })?;
+    Ok(wires)
 }
 
-fn declare_level<W: Write + Seek>(header: &mut FstHeader<W>, level: &crate::levels::CounterInfo) -> FstResult<ValueWires> {
+fn declare_level<W: Write + Seek>(header: &mut FstHeader<W>, level: &CounterInfo) -> FstResult<ValueWires> {
     let name = level.what.replace(' ', "_");
     Ok(match level.start {
         CounterValue::Count(_) => ValueWires::Number(NumberSignal::declare(header, &name, level.most)?),

@@ -3,8 +3,8 @@
 use crate::common::random::{GraphPart, recipe, tight_recipe};
 use crate::common::{machine, report, run_both, sink_tokens};
 use basrelief_kernel::{
-    CacheCounts, CycleAccount, Deadlock, Engine, Interval, MemoryEvent, Outcome, Recorder, RunLimits, RunReport, UnitReport, run,
-    run_with,
+    CacheCounts, Cycle, CycleAccount, Deadlock, Engine, Interval, MemoryEvent, Outcome, Recorder, RunLimits, RunReport,
+    StallCause, UnitReport, run, run_with,
 };
 use basrelief_kernel_conformance::plan::{Plan, PlanMachine, PlanMemory, Token, result};
 use proptest::prelude::*;
@@ -143,6 +143,28 @@ proptest! {
                 (from, held) = (at, slots);
             }
             prop_assert_eq!(&histogram, &fifo.histogram, "{}", &fifo.name);
+        }
+    }
+
+    /// The number of visible tokens is 0 in each cycle in which the consumer is starved, and at most that of occupied slots.
+    #[test]
+    fn starved_unit_has_no_visible_token(recipe in recipe(), limit in prop::option::of(1..200_u64)) {
+        let plan = recipe.plan().0;
+        let (report, seen) = run_both(&plan, limit.unwrap_or(u64::MAX));
+        for (number, fifo) in report.fifos.iter().enumerate() {
+            let [visible, held] = [&seen.visible, &seen.fifos].map(|of| of.get(number).map_or(&[][..], Vec::as_slice));
+            prop_assert!(visible.is_sorted_by(|a, b| a.0 < b.0 && a.1 != b.1), "reported once per change");
+            let level = |of: &[(Cycle, usize)], at: Cycle| of[..of.partition_point(|change| change.0 <= at)].last().map_or(0, |c| c.1);
+            for (at, tokens) in visible {
+                prop_assert!(at.0 < report.total && *tokens <= level(held, *at), "{} in {}", &fifo.name, at.0);
+            }
+            for (unit, intervals) in report.units.iter().zip(&seen.stages) {
+                let Some(input) = unit.inputs.iter().position(|input| *input == fifo.name) else { continue };
+                for wait in intervals.iter().filter(|wait| wait.cause == Some(StallCause::Starved(input))) {
+                    prop_assert_eq!(level(visible, wait.from), 0, "{} in {}", &fifo.name, wait.from.0);
+                    prop_assert!(visible.iter().all(|(at, _)| *at <= wait.from || *at >= wait.to), "{}", &fifo.name);
+                }
+            }
         }
     }
 

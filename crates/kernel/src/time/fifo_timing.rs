@@ -4,6 +4,7 @@ use super::occupancy::OccupancyHistogram;
 use super::token_ring::TokenRing;
 use crate::Cycle;
 use crate::capacity::MAX_CLIENTS;
+use crate::memory_events::EventBounds;
 use crate::netlist::FifoSpec;
 use std::cell::{Cell, Ref, RefCell};
 
@@ -342,8 +343,9 @@ impl FifoTiming {
         self.ring.forget_awaits();
     }
 
-    /// See [`OccupancyHistogram::keep_fills`].
+    /// See [`OccupancyHistogram::keep_fills`]. Keeps tokens, too, because the number of visible tokens derives from them.
     pub(crate) fn keep_fills(&self) {
+        self.keep_tokens(true);
         self.occupancy.borrow_mut().keep_fills();
     }
 
@@ -367,6 +369,11 @@ impl FifoTiming {
         self.occupancy.borrow_mut().take_fills(end)
     }
 
+    /// See [`OccupancyHistogram::emit_visible`].
+    pub(crate) fn emit_visible(&self, visible: &[Cycle], bounds: EventBounds, emit: impl FnMut(Cycle, usize)) {
+        self.occupancy.borrow_mut().emit_visible(visible, bounds, emit);
+    }
+
     /// Settles a run of `total` cycles and returns the histogram: `histogram[k]` cycles with k slots held (law 10).
     pub(crate) fn finish(&self, total: u64) -> Vec<u64> {
         self.occupancy.borrow_mut().finish(&self.ring, self.pushed.get(), self.popped.get(), Cycle(total))
@@ -376,7 +383,7 @@ impl FifoTiming {
     pub(crate) fn count_held(&self, now: Cycle) {
         // A slot popped in this cycle is in use until its end.
         let last = self.popped.get().checked_sub(1).map(|last| self.ring.token(last).free.get());
-        let held = self.len() + usize::from(last == Some(now + 1));
-        self.occupancy.borrow_mut().count(held, now);
+        let pops = last == Some(now + 1);
+        self.occupancy.borrow_mut().count(self.len() + usize::from(pops), pops, now);
     }
 }

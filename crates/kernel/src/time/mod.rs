@@ -114,16 +114,22 @@ impl MachineTiming {
 
     /// Emits FIFO levels and memory events to a probe, as far as they are settled, or up to the `end` of the run.
     pub(crate) fn show_fills<P: Probe>(&mut self, probe: &mut P, end: Option<Cycle>) {
-        if P::is_on() && probe.reads_levels() {
-            for (number, fifo) in self.fifos.iter().enumerate() {
+        let (levels, wires) = (P::is_on() && probe.reads_levels(), P::is_on() && probe.reads_wires());
+        let bounds = EventBounds { limit: self.limit, end };
+        for (number, fifo) in self.fifos.iter().enumerate().filter(|_| levels || wires) {
+            let visible = fifo.take_visible();
+            if levels {
                 fifo.take_fills(end).into_iter().for_each(|(at, slots)| probe.on_occupancy(number, at, slots));
+                fifo.emit_visible(&visible, bounds, |at, tokens| probe.on_visible_count(number, at, tokens));
             }
-            self.memories.emit(probe, EventBounds { limit: self.limit, end });
+            if wires {
+                visible.into_iter().for_each(|visible| probe.on_visible(number, visible));
+            }
         }
-        if P::is_on() && probe.reads_wires() {
-            for (number, fifo) in self.fifos.iter().enumerate() {
-                fifo.take_visible().into_iter().for_each(|visible| probe.on_visible(number, visible));
-            }
+        if levels {
+            self.memories.emit(probe, bounds);
+        }
+        if wires {
             for (number, clock) in self.stages.iter_mut().enumerate() {
                 for (step, answers) in clock.answers.iter_mut().flat_map(|answers| answers.drain(..)) {
                     probe.on_answers(number, step, &answers);

@@ -2,6 +2,7 @@
 
 use super::token_ring::{TokenRing, TokenTimes};
 use crate::Cycle;
+use crate::memory_events::{EventBounds, Gauge};
 
 /// Histogram of one FIFO's occupancy.
 ///
@@ -19,18 +20,27 @@ pub(crate) struct OccupancyHistogram {
     counted: Option<(usize, Cycle)>,
     /// True if occupancy is not counted.
     is_off: bool,
-    /// Changes of the level since they were last taken, if a probe is attached.
+    /// Changes since they were last taken, if a probe is attached.
     fills: Option<LevelHistory>,
 }
 
-/// Levels of a FIFO, in order of time.
+/// Levels of a FIFO, in order of time, and its visible tokens.
 #[derive(Clone, Debug, Default)]
 struct LevelHistory {
     new: Vec<(Cycle, usize)>,
     last: usize,
+    visible: Gauge,
 }
 
 impl LevelHistory {
+    /// Records a push, or a pop whose slot is free from `at` on.
+    fn change(&mut self, at: Cycle, held: usize, is_pop: bool) {
+        self.hold(at, held);
+        if is_pop {
+            self.visible.down(at);
+        }
+    }
+
     /// Sets the level from a cycle on, unless another change comes in the same cycle.
     fn hold(&mut self, at: Cycle, held: usize) {
         match self.new.last_mut() {
@@ -77,6 +87,14 @@ impl OccupancyHistogram {
         self.fills.as_mut().map_or_else(Vec::new, |fills| fills.take_before(until))
     }
 
+    /// Emits changes of the number of visible tokens. `visible`: first visible cycles of the tokens since the last call.
+    pub(crate) fn emit_visible(&mut self, visible: &[Cycle], bounds: EventBounds, emit: impl FnMut(Cycle, usize)) {
+        if let Some(LevelHistory { visible: tokens, .. }) = &mut self.fills {
+            visible.iter().for_each(|at| tokens.up(*at));
+            tokens.emit(bounds, emit);
+        }
+    }
+
     fn advance(&mut self, to: Cycle) {
         self.histogram[self.held] += to.since(self.settled_to);
         self.settled_to = self.settled_to.max(to);
@@ -89,16 +107,16 @@ impl OccupancyHistogram {
         }
         match self.fills.take() {
             // A separate case: checking for a probe at each event costs a tenth of a bare chain.
-            None => self.merge(ring, pushed, popped, |_, _| ()),
+            None => self.merge(ring, pushed, popped, |_, _, _| ()),
             Some(mut fills) => {
-                self.merge(ring, pushed, popped, |at, held| fills.hold(at, held));
+                self.merge(ring, pushed, popped, |at, held, is_pop| fills.change(at, held, is_pop));
                 self.fills = Some(fills);
             }
         }
     }
 
     #[inline(always)]
-    fn merge(&mut self, ring: &TokenRing, pushed: usize, popped: usize, mut hold: impl FnMut(Cycle, usize)) {
+    fn merge(&mut self, ring: &TokenRing, pushed: usize, popped: usize, mut hold: impl FnMut(Cycle, usize, bool)) {
         while self.push < pushed && self.pop < popped {
             self.merge_runs(ring.run(self.push, pushed), ring.run(self.pop, popped), &mut hold);
         }
@@ -106,7 +124,7 @@ impl OccupancyHistogram {
 
     /// Settles the events of two runs in order of time, until one of them ends.
     #[inline(always)]
-    fn merge_runs(&mut self, pushes: &[TokenTimes], pops: &[TokenTimes], hold: &mut impl FnMut(Cycle, usize)) {
+    fn merge_runs(&mut self, pushes: &[TokenTimes], pops: &[TokenTimes], hold: &mut impl FnMut(Cycle, usize, bool)) {
         let mut next_pushes = pushes.iter().map(|token| token.reserved.get());
         let mut next_pops = pops.iter().map(|token| token.free.get());
         let (Some(mut push), Some(mut pop)) = (next_pushes.next(), next_pops.next()) else { return };
@@ -115,7 +133,7 @@ impl OccupancyHistogram {
             self.histogram[held] += to.0 - now.0;
             now = to;
             held = held.wrapping_add_signed(by);
-            hold(to, held);
+            hold(to, held, by < 0);
         };
         // In one cycle a slot may be freed and another reserved; the level in between lasts 0 cycles. The free slot counts first,
         // because it is in use until the end of the cycle, so the level never exceeds the depth. Usually pushes and pops
@@ -152,30 +170,33 @@ impl OccupancyHistogram {
             let at = ring.token(push).reserved.get();
             self.advance(at);
             self.held += 1;
-            self.hold(at);
+            self.change(at, false);
         }
         for pop in self.pop..popped {
             let at = ring.token(pop).free.get();
             self.advance(at.min(total));
             self.held -= 1;
-            self.hold(at);
+            self.change(at, true);
         }
         (self.push, self.pop) = (pushed, popped);
         self.advance(total);
         self.histogram.clone()
     }
 
-    fn hold(&mut self, at: Cycle) {
+    fn change(&mut self, at: Cycle, is_pop: bool) {
         if let Some(fills) = &mut self.fills {
-            fills.hold(at, self.held);
+            fills.change(at, self.held, is_pop);
         }
     }
 
-    /// Counts one cycle.
-    pub(crate) fn count(&mut self, held: usize, now: Cycle) {
+    /// Counts one cycle. `pops`: true if a token is popped in it.
+    pub(crate) fn count(&mut self, held: usize, pops: bool, now: Cycle) {
         self.histogram[held] += 1;
         if let Some(fills) = &mut self.fills {
             fills.hold(now, held);
+            if pops {
+                fills.visible.down(now + 1);
+            }
         }
         self.counted = Some((held, now));
     }

@@ -1,7 +1,7 @@
 //! Law 1: depth >= 1, latency f >= 1. A token delivered at d is visible from max(d + f, visible time of the token before it + 1).
 //! Tokens never overtake.
 
-use crate::common::{PlanBuilder, report, sink_tokens, starts};
+use crate::common::{PlanBuilder, report, run_both, sink_tokens, starts};
 use basrelief_kernel::Fifo;
 use basrelief_kernel_conformance::plan::{Plan, PlanMachine, UnitKind};
 
@@ -72,4 +72,20 @@ fn plan_with_depth_or_latency_0_is_rejected_by_name() {
     let error = |depth, latency| PlanMachine::new(&wire(depth, latency, &[0])).unwrap_err().to_string();
     assert_eq!(error(0, 1), "FIFO `f`: `depth` is 0, expected 1..=1048576");
     assert_eq!(error(1, 0), "FIFO `f`: `latency` is 0, expected 1..=1099511627776");
+}
+
+#[test]
+fn token_is_visible_until_its_pop() {
+    let mut draw = PlanBuilder::default();
+    draw.fifo("f", 1, 1).unit("source", UnitKind::Source { tokens: 3 }, ["", "f"], &[1], &[0]).unit(
+        "sink",
+        UnitKind::Sink,
+        ["f", ""],
+        &[4],
+        &[0],
+    );
+    let (_, seen) = run_both(&draw.0, u64::MAX);
+    let visible: Vec<(u64, usize)> = seen.visible[0].iter().map(|(at, tokens)| (at.0, *tokens)).collect();
+    // Starts at 0, 2 and 6, when the slot is free. Pops at 1, 5 and 9.
+    assert_eq!(visible, [(1, 1), (2, 0), (3, 1), (6, 0), (7, 1), (10, 0)]);
 }

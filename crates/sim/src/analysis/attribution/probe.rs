@@ -130,6 +130,10 @@ impl<P: AttributedProbe> Probe for AttributionProbe<'_, P> {
         self.timeline.on_occupancy(fifo, at, slots);
     }
 
+    fn on_visible_count(&mut self, fifo: usize, at: Cycle, tokens: usize) {
+        self.timeline.on_visible_count(fifo, at, tokens);
+    }
+
     fn on_memory_event(&mut self, event: MemoryEvent) {
         self.timeline.on_memory_event(event);
     }

@@ -184,6 +184,12 @@ impl Probe for CostProbe<'_> {
         }
     }
 
+    fn on_visible_count(&mut self, fifo: usize, at: Cycle, tokens: usize) {
+        if let Some(next) = &mut self.next {
+            next.on_visible_count(fifo, at, tokens);
+        }
+    }
+
     fn on_memory_event(&mut self, event: MemoryEvent) {
         if let Some(next) = &mut self.next {
             next.on_memory_event(event);
