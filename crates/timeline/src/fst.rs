@@ -5,12 +5,12 @@
 //! | the machine | `frame`, the number of the frame, 0 behind the last |
 //! | a unit, with its numeral | `busy`, `starved`, `blocked`, `memory`, `done`: one of them is 1 |
 //! | a FIFO | `fill`, the occupied slots; `ready`, a slot is free; `valid`, a token is visible |
-//! | a channel of a memory | `queue`, `bytes_per_cycle`, `bus_use`; `bus`, it moves data; `client` and `write` of the transfer |
+//! | a channel of a memory | `queue`, `bytes_per_cycle`, `bus_use`; `bus`, it moves data; `write`, and `client_NAME` of the client of the transfer |
 //! | a bank in it | `open`, and its `row` |
 //! | a client | `credits`, the remaining credits |
 //! | a cache | `hit_rate` |
 //!
-//! Each state is a wire of one bit: FST has named states, but the library that writes it has not, and a number is hard to read. `valid`
+//! Each state and each client is a wire of one bit: FST has named states, but the library that writes it has not, and a number is hard to read. `valid`
 //! is 1 from the cycle in which a token becomes visible to the cycle of its pop. `fill` also counts reserved slots.
 //!
 //! FST is written in order of time, and events of one unit may be far ahead of another. So [`FstWaves`] keeps all changes within a memory

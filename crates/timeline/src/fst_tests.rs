@@ -1,7 +1,7 @@
 use crate::samples;
 use crate::*;
 use basrelief_input::MemoryPool;
-use basrelief_kernel::{Cycle, Engine, MemoryEvent, Probe, Recorder, RunLimits, RunReport, StallCause, run_with};
+use basrelief_kernel::{ClientTopology, Cycle, Engine, MemoryEvent, Probe, Recorder, RunLimits, RunReport, StallCause, run_with};
 use basrelief_kernel_conformance::plan::PlanMachine;
 use fst_reader::{FstFilter, FstHierarchyEntry, FstReader, FstSignalValue};
 use std::collections::BTreeMap;
@@ -124,7 +124,7 @@ fn memory_by_cycle(recorder: &Recorder, total: u64) -> Vec<(String, Vec<u64>)> {
     let bus = during([0, 0, 0, 0], |_| 1);
     let mut signals: Vec<(String, Vec<u64>)> = vec![
         ("memory_m.write".into(), during([0, 0, 0, 0], is_write)),
-        ("memory_m.client".into(), vec![0; total as usize]),
+        ("memory_m.client_p".into(), bus.clone()),
         ("memory_m.queue".into(), level([2, 0, 0, 0], 0, |_, n| n as u64)),
         ("client_p.credits".into(), level([3, 0, 0, 0], 2, |start, n| start - n as u64)),
     ];
@@ -198,6 +198,24 @@ fn valid_does_not_depend_on_shown_units() {
     let held = fills(&recorder, 0, run.total).iter().filter(|held| **held > 0).count() as u64;
     assert!(valid.iter().sum::<u64>() < held, "slots are reserved before a token is visible");
     assert_eq!(by_cycle(&read["plan.f.valid"], run.total), valid.into_iter().map(Some).collect::<Vec<_>>());
+}
+
+#[test]
+fn bus_names_the_client_of_a_transfer() {
+    let mut board = board();
+    let other = ClientTopology { name: "q r".into(), ..board.diagram.clients[0].clone() };
+    board.diagram.clients.push(other);
+    let mut file = Cursor::new(vec![]);
+    let mut watcher = TimelineProbe::new(board.clone(), vec![Box::new(FstWaves::new(&mut file, &board, &MemoryPool::default()))]);
+    for (client, from, to) in [(0, 1, 2), (1, 2, 3)] {
+        let (from, to) = (Cycle(from), Cycle(to));
+        watcher.on_memory_event(MemoryEvent::Moved { memory: 0, channel: 0, client, write: false, from, to });
+    }
+    assert!(watcher.finish(&samples::run()).into_iter().all(|finished| finished.is_ok()));
+    let read = read(&file.into_inner());
+    let signal = |name: &str| by_cycle(&read[&format!("plan.memory_m.{name}")], 4);
+    let bits = |values: [u64; 4]| values.map(Some).to_vec();
+    assert_eq!([signal("bus"), signal("client_p"), signal("client_q_r")], [[0, 1, 1, 0], [0, 1, 0, 0], [0, 0, 1, 0]].map(bits));
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use crate::layout::TimelineLayout;
 use crate::levels::{CounterInfo, CounterList, CounterValue};
+use basrelief_kernel::ClientTopology;
 use fst_writer::{
     FstBodyWriter, FstHeaderWriter, FstScopeType, FstSignalId, FstSignalType, FstVarDirection, FstVarType, FstWriteError,
 };
@@ -80,7 +81,7 @@ fn wire_of(state: u64) -> Option<usize> {
 }
 
 /// The signals that show a value.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 enum ValueWires {
     /// It is not shown.
     None,
@@ -90,8 +91,8 @@ enum ValueWires {
     Real(FstSignalId),
     /// A wire per state of a unit.
     State([NumberSignal; 5]),
-    /// Signals of a bus: busy, client, and write.
-    Bus([NumberSignal; 3]),
+    /// Signals of a bus: busy and write, and a wire per client of the memory, with its number.
+    Bus([NumberSignal; 2], Vec<(u64, NumberSignal)>),
     /// Open flag and row of a bank.
     Bank([NumberSignal; 2]),
     /// Occupied slots of a FIFO, the flag of a free slot, and the depth.
@@ -133,19 +134,20 @@ impl SignalTable {
 
     /// A value changes.
     pub(crate) fn change<W: Write + Seek>(&self, body: &mut FstBody<W>, number: usize, new: u64) -> FstResult {
-        match self.wires[number] {
+        match &self.wires[number] {
             ValueWires::None => Ok(()),
             ValueWires::Number(wire) => wire.set(body, new),
-            ValueWires::Real(id) => body.signal_change(id, &f64::from_bits(new).to_le_bytes()),
+            ValueWires::Real(id) => body.signal_change(*id, &f64::from_bits(new).to_le_bytes()),
             ValueWires::State(wires) => {
                 let one = wire_of(new);
                 wires.iter().enumerate().try_for_each(|(wire, signal)| signal.set(body, u64::from(one == Some(wire))))
             }
-            ValueWires::Bus([bus, client, write]) => {
-                let transfer = new.saturating_sub(1);
-                bus.set(body, u64::from(new > 0))?;
-                client.set(body, transfer / 2)?;
-                write.set(body, transfer % 2)
+            ValueWires::Bus([bus, write], clients) => {
+                let transfer = new.checked_sub(1);
+                bus.set(body, u64::from(transfer.is_some()))?;
+                write.set(body, transfer.map_or(0, |transfer| transfer % 2))?;
+                let moves = |client: u64| transfer.is_some_and(|transfer| transfer / 2 == client);
+                clients.iter().try_for_each(|(client, wire)| wire.set(body, u64::from(moves(*client))))
             }
             ValueWires::Bank([open, row]) => {
                 open.set(body, u64::from(new > 0))?;
@@ -153,7 +155,7 @@ impl SignalTable {
             }
             ValueWires::Fill([fill, ready], depth) => {
                 fill.set(body, new)?;
-                ready.set(body, u64::from(new < depth))
+                ready.set(body, u64::from(new < *depth))
             }
         }
     }
@@ -181,7 +183,7 @@ fn declare_states<W: Write + Seek>(header: &mut FstHeader<W>, name: &str) -> Fst
 
 /// Declares the signals of a FIFO. Returns those of its fill level and of its visible tokens.
 fn declare_fifo<W: Write + Seek>(header: &mut FstHeader<W>, level: &CounterInfo) -> FstResult<[ValueWires; 2]> {
-    let mut wires = [ValueWires::None; 2];
+    let mut wires = [ValueWires::None, ValueWires::None];
     within(header, &level.of, |header| {
         let [fill, valid, ready] = all(header, [("fill", level.most), ("valid", 1), ("ready", 1)])?;
         wires = [ValueWires::Fill([fill, ready], level.most), ValueWires::Number(valid)];
@@ -208,13 +210,12 @@ fn declare_channels<W: Write + Seek>(
     numbers: &SignalNumbers,
     wires: &mut [ValueWires],
 ) -> FstResult {
-    let clients = board.diagram.clients.len() as u64;
     for (number, channel) in levels.channels.iter().enumerate().filter(|(_, channel)| channel.is_shown) {
         within(header, &channel.name, |header| {
             for level in levels.queue(number)..levels.queue(number) + 3 {
                 wires[numbers.first_level + level] = declare_level(header, &levels.all[level])?;
             }
-            wires[numbers.first_bus + number] = ValueWires::Bus(all(header, [("bus", 1), ("client", clients), ("write", 1)])?);
+            wires[numbers.first_bus + number] = declare_bus(header, board, channel.memory)?;
             for bank in 0..board.diagram.memories[channel.memory].banks {
                 let wires = &mut wires[numbers.first_bank + channel.first_bank + bank];
                 within(header, &format!("bank {bank}"), |header| {
@@ -226,6 +227,17 @@ fn declare_channels<W: Write + Seek>(
         })?;
     }
     Ok(())
+}
+
+/// Declares the signals of a bus.
+fn declare_bus<W: Write + Seek>(header: &mut FstHeader<W>, board: &TimelineLayout, memory: usize) -> FstResult<ValueWires> {
+    let of_bus = all(header, [("bus", 1), ("write", 1)])?;
+    let clients = (0..).zip(&board.diagram.clients).filter(|(_, client)| client.memory == memory);
+    let declare = |(number, client): (u64, &ClientTopology)| {
+        let name = format!("client_{}", client.name.replace(' ', "_"));
+        Ok((number, NumberSignal::declare(header, &name, 1)?))
+    };
+    Ok(ValueWires::Bus(of_bus, clients.map(declare).collect::<FstResult<_>>()?))
 }
 
 /// Declares numbers of these names, each with the most that it can be.
