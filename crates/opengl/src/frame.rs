@@ -5,10 +5,11 @@ use crate::dump::GlDump;
 use crate::fixed::{is_fixed, to_light};
 use crate::geometry::{GlGeometry, GlMesh, geometry};
 use crate::gltf::{self, GlObject};
-use crate::mapping::{MapKey, Mapping, three};
+use crate::map_value::three;
+use crate::mapping::{MapKey, Mapping};
 use crate::matrix::{affine, from_normal_matrix, matrix, model_view_of, to_viewer};
 use crate::picture::{ApplicationPicture, application_picture};
-use crate::reader::{DrawReader, unknown};
+use crate::reader::DrawReader;
 use crate::state::{Parameters, draw_state};
 use crate::surface::{GlSurface, surface};
 use crate::text::parse;
@@ -143,7 +144,7 @@ impl FrameBuilder<'_> {
         if is_fixed(dump) {
             join_constant_color(&mut geometry.mesh, &mut surface);
         }
-        use_normal_space(&mut reader, &mut geometry.mesh, &surface)?;
+        use_normal_space(&mut reader, &mut geometry.mesh, &surface);
         let DrawReader { notes, warnings, kept, .. } = reader;
         self.notes.extend(notes);
         self.warnings.extend(warnings);
@@ -237,10 +238,9 @@ fn world_of(reader: &mut DrawReader<'_>, geometry: &GlGeometry) -> DMat4 {
 
 /// Returns the view with the directions to light and viewer: mapped, or guessed. The flag is true if nothing names the light.
 fn camera(reader: &mut DrawReader<'_>, view_projection: DMat4) -> Result<(Camera, bool), SceneError> {
-    let viewer = match reader.mapped(MapKey::Viewer) {
-        Some(given) => {
-            three(given).map(DVec3::from).and_then(DVec3::try_normalize).ok_or_else(|| unknown(MapKey::Viewer, given, &[]))?
-        }
+    let mapped = reader.mapped(MapKey::Viewer).and_then(three);
+    let viewer = match mapped.map(DVec3::from).and_then(DVec3::try_normalize) {
+        Some(viewer) => viewer,
         None => {
             let viewer = to_viewer(view_projection);
             reader.note(format!("viewer = {} (guessed: against the view axis)", shown(viewer)));
@@ -272,13 +272,11 @@ fn shown(vector: DVec3) -> String {
 ///
 /// A map in object space is drawn as one in tangent space: with the normal +z, the tangent +x and so the bitangent +y at all vertices,
 /// tangent space is object space.
-fn use_normal_space(reader: &mut DrawReader<'_>, mesh: &mut GlMesh, surface: &GlSurface) -> Result<(), SceneError> {
-    let Some(map) = &surface.normal_map else { return Ok(()) };
+fn use_normal_space(reader: &mut DrawReader<'_>, mesh: &mut GlMesh, surface: &GlSurface) {
+    let Some(map) = &surface.normal_map else { return };
     let name = &map.name;
     let in_object_space = match reader.mapped(MapKey::NormalSpace) {
-        Some("object") => true,
-        Some("tangent") => false,
-        Some(other) => return Err(unknown(MapKey::NormalSpace, other, &["object".into(), "tangent".into()])),
+        Some(given) => given == "object",
         None => {
             let in_object_space = mesh.normals.is_none() && mesh.tangents.is_none();
             let space = if in_object_space { "object" } else { "tangent" };
@@ -294,5 +292,4 @@ fn use_normal_space(reader: &mut DrawReader<'_>, mesh: &mut GlMesh, surface: &Gl
     } else if mesh.tangents.is_none() {
         reader.note("tangents are computed from the texture coordinates");
     }
-    Ok(())
 }

@@ -106,6 +106,10 @@ fn product(reader: &mut DrawReader<'_>, names: &[String]) -> Result<MatrixProduc
         return Err(unknown(MapKey::Position, name, names));
     }
     let product = if let Some(name) = reader.mapped(MapKey::Mvp) {
+        let matrices = reader.uniforms(|value| matrix(value).is_some());
+        if !matrices.iter().any(|known| known == name) {
+            return Err(unknown(MapKey::Mvp, name, &matrices));
+        }
         let is_position = |name: &str| name.contains("pos") || name.contains("vert");
         MatrixProduct { matrices: vec![name.into()], position: reader.choose(MapKey::Position, names, is_position)? }
     } else {
@@ -194,10 +198,10 @@ fn add_attributes(
     let column = |name: Option<String>| name.and_then(|name| columns.columns.get(&name));
     let normal = reader.choose(MapKey::Normal, &of_size(3..=4), |name| name.contains("normal"))?;
     mesh.normals = column(normal).map(|column| column.rows([0.0; 3]));
-    let sign = reader.number(MapKey::TangentSign, &|_| false)?.unwrap_or(1.0);
+    let sign = reader.mapped_number(MapKey::TangentSign).unwrap_or(1.0);
     let is_tangent = |name: &str| name.contains("tangent") && !name.contains("bitangent");
     let tangent = reader.choose(MapKey::Tangent, &of_size(3..=4), is_tangent)?;
-    mesh.tangents = column(tangent).map(|column| column.rows([0.0, 0.0, 0.0, sign.signum() as f32]));
+    mesh.tangents = column(tangent).map(|column| column.rows([0.0, 0.0, 0.0, sign as f32]));
     let is_uv = |name: &str| ["texcoord", "tex_coord", "uv", "texture"].iter().any(|word| name.contains(word));
     let uv = reader.choose(MapKey::Uv, &of_size(2..=4), is_uv)?;
     // OpenGL counts rows of a texture upwards from v = 0, glTF counts them downwards.

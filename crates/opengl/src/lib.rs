@@ -29,6 +29,7 @@ mod fixed;
 mod frame;
 mod geometry;
 mod gltf;
+mod map_value;
 mod mapping;
 mod matrix;
 mod picture;

@@ -100,7 +100,11 @@ impl FromStr for MapEntry {
         let found = MapKey::NAMES.iter().find(|(name, _)| *name == key.trim()).map(|(_, key)| *key);
         let names = || MapKey::NAMES.map(|(name, _)| name).join(", ");
         let key = found.ok_or_else(|| format!("`{}` is no key; expected one of {}", key.trim(), names()))?;
-        Ok(Self { call, key, value: value.trim().into() })
+        let value = value.trim();
+        if !key.accepts(value) {
+            return Err(format!("`{value}` is no value of `{key}`; expected {}", key.accepted()));
+        }
+        Ok(Self { call, key, value: value.into() })
     }
 }
 
@@ -114,12 +118,6 @@ impl Mapping {
         let of = |wanted: Option<u64>| self.0.iter().rev().find(move |entry| entry.key == key && entry.call == wanted);
         of(Some(call)).or_else(|| of(None)).map(|entry| entry.value.as_str())
     }
-}
-
-/// Returns three numbers that are separated by colons.
-pub(crate) fn three(value: &str) -> Option<[f64; 3]> {
-    let numbers: Vec<f64> = value.split(':').map(|number| number.trim().parse().ok()).collect::<Option<_>>()?;
-    numbers.try_into().ok().filter(|numbers: &[f64; 3]| numbers.iter().all(|number| number.is_finite()))
 }
 
 #[cfg(test)]
@@ -140,11 +138,5 @@ mod tests {
         for wrong in ["uv", "x.uv=a", ".uv=a"] {
             assert!(wrong.parse::<MapEntry>().unwrap_err().starts_with("expected KEY=VALUE"), "{wrong}");
         }
-    }
-
-    #[test]
-    fn numbers_are_separated_by_colons() {
-        assert_eq!(three("1:-2.5: 3"), Some([1.0, -2.5, 3.0]));
-        assert_eq!([three("1:2"), three("1:2:x"), three("1:2:inf")], [None; 3]);
     }
 }

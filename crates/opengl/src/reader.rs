@@ -1,13 +1,11 @@
 //! Choices of one draw call: names and numbers are given by a mapping or guessed, and every choice is noted.
 
 use crate::dump::GlDump;
-use crate::mapping::{MapKey, Mapping, three};
+use crate::map_value::{NONE, three};
+use crate::mapping::{MapKey, Mapping};
 use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_scene::{SceneError, over_budget};
 use serde_json::Value;
-
-/// Values of mappings that mean nothing.
-const NONE: &str = "none";
 
 /// Reader of one draw call.
 pub(crate) struct DrawReader<'a> {
@@ -77,6 +75,11 @@ impl<'a> DrawReader<'a> {
         Ok(self.guessed(key, guess, vector_of))
     }
 
+    /// Returns the mapped number of a key that accepts no names.
+    pub fn mapped_number(&self, key: MapKey) -> Option<f64> {
+        self.mapped(key)?.parse().ok()
+    }
+
     /// Returns a number: mapped, or that of the first uniform that `guess` accepts in lower case.
     pub fn number(&mut self, key: MapKey, guess: &dyn Fn(&str) -> bool) -> Result<Option<f64>, SceneError> {
         if let Some(given) = self.mapped(key) {
@@ -99,15 +102,16 @@ impl<'a> DrawReader<'a> {
         Some(value)
     }
 
-    fn uniforms(&self, fits: impl Fn(&Value) -> bool) -> Vec<String> {
+    pub fn uniforms(&self, fits: impl Fn(&Value) -> bool) -> Vec<String> {
         self.dump.uniforms.iter().filter(|(_, value)| fits(value)).map(|(name, _)| name.clone()).collect()
     }
 }
 
 /// Error of a mapped name that the draw call does not have.
 pub(crate) fn unknown(key: MapKey, given: &str, names: &[String]) -> SceneError {
-    let known = if names.is_empty() { "but the draw call has none".into() } else { format!("one of {}", names.join(", ")) };
-    SceneError::at("", format!("--map {key}={given}: the draw call has no such name")).expected(format!("{NONE}, {known}"))
+    let known = if names.is_empty() { "none".into() } else { names.join(", ") };
+    SceneError::at("", format!("--map {key}={given}: the draw call has no such name"))
+        .expected(format!("{} (the draw call has {known})", key.accepted()))
 }
 
 /// Returns three numbers of a uniform: a list of three or four.

@@ -99,7 +99,7 @@ fn texture(reader: &mut DrawReader<'_>, name: &str) -> Result<Option<GlTexture>,
 /// Returns the normal map of a height map.
 fn height_texture(reader: &mut DrawReader<'_>, name: &str) -> Result<Option<GlTexture>, SceneError> {
     let Some((place, record, sampler)) = record(reader, name)? else { return Ok(None) };
-    let strength = reader.number(MapKey::HeightScale, &|_| false)?.unwrap_or(1.0);
+    let strength = reader.mapped_number(MapKey::HeightScale).unwrap_or(1.0);
     reader.note(format!("height-map = {name}: 1.0 is {strength} texels high"));
     let (image, held) = picture::decode(record, &place, reader.budget)?;
     // Heights of 8 bytes, and the levels of normals.
@@ -172,18 +172,18 @@ fn base_color(reader: &mut DrawReader<'_>, usual: [f64; 3]) -> Result<[f64; 3], 
         is_color && !["light", "spec", "ambient", "clear", "fog"].iter().any(|word| name.contains(word))
     };
     let color = reader.vector(MapKey::BaseColor, &guess)?.unwrap_or(usual);
-    Ok(color.map(|channel| channel.clamp(0.0, 1.0)))
+    Ok(color.map(|channel| MapKey::BaseColor.clamped(channel)))
 }
 
 fn lighting(reader: &mut DrawReader<'_>, usual: Lighting) -> Result<Lighting, SceneError> {
-    let mut coefficient = |key, word: &'static str, usual: f32, range: [f64; 2]| {
+    let mut coefficient = |key: MapKey, word: &'static str, usual: f32| {
         let given = reader.number(key, &|name| name.contains(word) && !name.contains("color"))?;
-        Ok::<_, SceneError>(given.map_or(usual, |value| value.clamp(range[0], range[1]) as f32))
+        Ok::<_, SceneError>(given.map_or(usual, |value| key.clamped(value) as f32))
     };
     Ok(Lighting {
-        ka: coefficient(MapKey::Ambient, "ambient", usual.ka, [0.0, 1.0])?,
-        kd: coefficient(MapKey::Diffuse, "diffuse", usual.kd, [0.0, 1.0])?,
-        ks: coefficient(MapKey::Specular, "specular", usual.ks, [0.0, 1.0])?,
-        n: coefficient(MapKey::Shininess, "shininess", usual.n, [1.0, 1000.0])?,
+        ka: coefficient(MapKey::Ambient, "ambient", usual.ka)?,
+        kd: coefficient(MapKey::Diffuse, "diffuse", usual.kd)?,
+        ks: coefficient(MapKey::Specular, "specular", usual.ks)?,
+        n: coefficient(MapKey::Shininess, "shininess", usual.n)?,
     })
 }

@@ -82,13 +82,22 @@ fn mapped_names_that_do_not_exist_are_errors() {
         let text = imported(&[(FILES[1], bytes(FILES[1]))], map).unwrap_err();
         assert!(text.starts_with("frame.466.json: call 466: ") && text.contains(part), "{text}");
     };
-    says("normal=normals", "--map normal=normals: the draw call has no such name; expected none, one of normal, position");
-    says("albedo=x", "expected none, one of albedo");
-    says("mvp=x", "/uniforms/x: is no 4 x 4 matrix");
+    says(
+        "normal=normals",
+        "--map normal=normals: the draw call has no such name; expected `none` or a vertex attribute of 3 or 4 numbers \
+         (the draw call has normal, position",
+    );
+    says("albedo=x", "expected `none` or a sampler (the draw call has albedo");
+    says(
+        "mvp=x",
+        "--map mvp=x: the draw call has no such name; expected a uniform that is a 4 x 4 matrix (the draw call has model",
+    );
+    says(
+        "light=sun",
+        "three numbers such as 1:2:3 that are not all 0, or a uniform of 3 or 4 numbers (the draw call has base_color",
+    );
     says("mvp=view,position=x", "--map position=x");
-    says("normal-space=eye", "one of object, tangent");
-    says("shininess=x", "--map shininess=x");
-    says("viewer=1:2", "--map viewer=1:2");
+    says("shininess=x", "--map shininess=x: the draw call has no such name; expected `none`, a number from 1 to 1000");
 }
 
 #[test]

@@ -52,10 +52,17 @@ pub struct GlSceneArgs {
 
 /// Returns the help text of `--map`.
 fn map_help() -> String {
-    let keys = MapKey::NAMES.map(|(name, _)| name).join(", ");
+    let mut values: Vec<(&str, Vec<&str>)> = Vec::new();
+    for (name, key) in MapKey::NAMES {
+        match values.iter_mut().find(|(value, _)| *value == key.accepted()) {
+            Some((_, names)) => names.push(name),
+            None => values.push((key.accepted(), vec![name])),
+        }
+    }
+    let values: Vec<String> = values.iter().map(|(value, names)| format!("{}: {value}", names.join(", "))).collect();
     format!(
         "Name or value of the application for a property, in place of a guess; repeatable, or a comma-separated list. CALL.KEY=VALUE \
-         concerns one draw call. VALUE is a name in the dump, `none`, a number, or three numbers such as 1:2:3. `normal-space` is \
-         `tangent` or `object`. Keys: {keys}"
+         concerns one draw call. Values by key, with names as in the dump: {}",
+        values.join("; ")
     )
 }
