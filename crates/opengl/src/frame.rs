@@ -56,11 +56,12 @@ pub struct GlFrame {
 pub fn import(files: &[DumpFile<'_>], mapping: &Mapping, budget: &MemoryPool) -> Result<GlFrame, SceneError> {
     let mut builder = FrameBuilder { mapping, budget, view: None, objects: Vec::new(), notes: Vec::new(), warnings: Vec::new() };
     let mut held = budget.empty_reservation();
-    let mut application = None;
+    let (mut application, mut calls) = (None, Vec::new());
     for (number, file) in (1..).zip(files) {
         let (dump, _dump) = parse(file.bytes, budget).map_err(|e| e.in_file(file.name))?;
         let call = dump.draw.as_ref().map(|draw| draw.call).or(number_of(file.name)).unwrap_or(number);
         let at_call = |e: SceneError| in_call(e, call).in_file(file.name);
+        calls.push(call);
         held.join(builder.add(&dump, call).map_err(at_call)?);
         if number == files.len() as u64 {
             let viewport = builder.view.as_ref().map_or([0; 4], |view| view.viewport);
@@ -70,6 +71,7 @@ pub fn import(files: &[DumpFile<'_>], mapping: &Mapping, budget: &MemoryPool) ->
     let Some(view) = builder.view else {
         return Err(SceneError::at("", "no draw call is given").expected("a state dump for each draw call"));
     };
+    mapping.check_calls(&calls)?;
     let filter = filter_of(&builder.objects);
     let (gltf, text) = gltf::write(&builder.objects, budget)?;
     held.join(text);

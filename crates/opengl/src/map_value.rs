@@ -100,7 +100,8 @@ mod tests {
             "tangent-sign=0",
         ] {
             let error = wrong.parse::<MapEntry>().unwrap_err();
-            let key = MapKey::NAMES.iter().find(|(name, _)| wrong.trim_start_matches("7.").split('=').next() == Some(name)).unwrap().1;
+            let key =
+                MapKey::NAMES.iter().find(|(name, _)| wrong.trim_start_matches("7.").split('=').next() == Some(name)).unwrap().1;
             assert!(error.ends_with(&format!("; expected {}", key.accepted())), "{wrong}: {error}");
         }
     }

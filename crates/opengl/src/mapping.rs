@@ -1,5 +1,6 @@
 //! `--map`: assigns names and values of an application to the properties of a scene.
 
+use basrelief_scene::SceneError;
 use std::fmt::{Display, Formatter, Result as FmtResult};
 use std::str::FromStr;
 
@@ -108,11 +109,33 @@ impl FromStr for MapEntry {
     }
 }
 
+impl Display for MapEntry {
+    fn fmt(&self, f: &mut Formatter<'_>) -> FmtResult {
+        if let Some(call) = self.call {
+            write!(f, "{call}.")?;
+        }
+        write!(f, "{}={}", self.key, self.value)
+    }
+}
+
 /// All assignments of a command. Later ones replace earlier ones, and those of one call replace those of all.
 #[derive(Clone, Debug, Default)]
 pub struct Mapping(pub Vec<MapEntry>);
 
 impl Mapping {
+    /// Checks that each assignment for one draw call concerns one of these.
+    ///
+    /// # Errors
+    /// The first assignment for another draw call.
+    pub(crate) fn check_calls(&self, calls: &[u64]) -> Result<(), SceneError> {
+        let is_other = |entry: &&MapEntry| entry.call.is_some_and(|call| !calls.contains(&call));
+        let Some(entry) = self.0.iter().find(is_other) else { return Ok(()) };
+        let calls = calls.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
+        Err(SceneError::at("", format!("--map {entry}: the draw call is not imported"))
+            .expected(format!("one of the imported draw calls, {calls}"))
+            .cure("call numbers differ from capture to capture"))
+    }
+
     /// Returns the value for a draw call.
     pub(crate) fn get(&self, call: u64, key: MapKey) -> Option<&str> {
         let of = |wanted: Option<u64>| self.0.iter().rev().find(move |entry| entry.key == key && entry.call == wanted);

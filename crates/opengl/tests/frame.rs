@@ -101,6 +101,13 @@ fn mapped_names_that_do_not_exist_are_errors() {
 }
 
 #[test]
+fn mapping_of_a_call_that_is_not_imported_is_an_error() {
+    let text = imported(&FILES.map(|name| (name, bytes(name))), "435.normal-map=none,7.uv=none").unwrap_err();
+    let expected = "expected one of the imported draw calls, 435, 466, 493; call numbers differ from capture to capture";
+    assert_eq!(text, format!("--map 7.uv=none: the draw call is not imported; {expected}"));
+}
+
+#[test]
 fn map_without_normals_is_in_object_space() {
     let bare = |dump: &mut Value| {
         for name in ["normal", "tangent"] {
