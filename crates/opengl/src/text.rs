@@ -21,12 +21,23 @@ pub(crate) fn parse(bytes: &[u8], budget: &MemoryPool) -> Result<(GlDump, Memory
     } else {
         (Cow::Borrowed(text), None)
     };
-    let dump = basrelief_input::from_str(&text).map_err(|mut fault| {
+    let dump: GlDump = basrelief_input::from_str(&text).map_err(|mut fault| {
         fault.line = original_line(bytes, &text, fault.line, fault.column);
         json_error(&fault)
     })?;
     drop(copy);
+    check_is_dump(&dump)?;
     Ok((dump, held))
+}
+
+/// Refuses the JSON of another program. A dump of any draw call has parameters.
+fn check_is_dump(dump: &GlDump) -> Result<(), SceneError> {
+    if !dump.parameters.0.is_empty() {
+        return Ok(());
+    }
+    Err(SceneError::at("", "is no state dump of OpenGL, because `parameters` is missing or empty")
+        .expected("the JSON that `apitrace replay -D CALL TRACE` writes")
+        .cure("name the dumps that `basrelief capture` keeps, for example"))
 }
 
 /// Calls `each` with every character and whether it is inside a string.
@@ -88,7 +99,8 @@ mod tests {
 
     #[test]
     fn raw_control_characters_are_read_as_text() {
-        let dump = parsed("{\"shaders\": {\"GL_VERTEX_SHADER\": \"a\nb\tc\u{1}d \\\" \n\"}}").unwrap();
+        let dump =
+            parsed("{\"parameters\": {\"A\": 1}, \"shaders\": {\"GL_VERTEX_SHADER\": \"a\nb\tc\u{1}d \\\" \n\"}}").unwrap();
         assert_eq!(dump.shaders["GL_VERTEX_SHADER"], "a\nb\tc d \" \n");
     }
 

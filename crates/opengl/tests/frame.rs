@@ -218,6 +218,18 @@ fn broken_dumps_name_call_and_field() {
 }
 
 #[test]
+fn file_that_is_no_dump_is_named() {
+    for text in ["{}", r#"{"asset": {"version": "2.0"}}"#, r#"{"view_projection": [1]}"#] {
+        let error = imported(&[("a.json", text.into())], "").unwrap_err();
+        assert_eq!(
+            error,
+            "a.json: is no state dump of OpenGL, because `parameters` is missing or empty; expected the JSON that \
+             `apitrace replay -D CALL TRACE` writes; name the dumps that `basrelief capture` keeps, for example"
+        );
+    }
+}
+
+#[test]
 fn dump_without_picture_is_imported() {
     let frame = imported(&[(FILES[0], bytes(FILES[0]))], "").unwrap();
     assert!(frame.application.is_none());
