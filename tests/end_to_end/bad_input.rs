@@ -179,6 +179,21 @@ fn failed_run_keeps_earlier_results() {
 }
 
 #[test]
+fn input_of_another_format_is_named() {
+    let place = Place::new();
+    place.ok("demo coin --size 16x12 --no-exact --no-bottlenecks --quiet --out out");
+    fs::write(place.path("notes.txt"), "solid").expect("written");
+    for (file, expected) in [
+        ("out/report.json", "is the report of a run; expected a glTF file; "),
+        ("notes.txt", "expected a .glb, .gltf or .obj file, or a trace: .jsonl or .bdl, or either with .zst appended; "),
+    ] {
+        let outcome = place.run(&format!("run {file} --out other"));
+        let error = outcome.error(1);
+        assert!(error.starts_with(&format!("{file}: ")) && error.contains(expected), "{error}");
+    }
+}
+
+#[test]
 fn bad_settings_and_cameras_have_own_exit_codes() {
     let place = Place::new();
     fs::write(place.path("c.toml"), "[replacement]\nentrys = 3\n").expect("written");

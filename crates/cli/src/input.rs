@@ -4,7 +4,7 @@ use crate::args::{MachineArgs, ViewArgs};
 use crate::error::{CommandError, CommandResult};
 use crate::global::GlobalOptions;
 use crate::inputs_read;
-use crate::scene_input::{demo_of, open_scene, scene_error};
+use crate::scene_input::{demo_of, input_error, open_scene, scene_error};
 use crate::views::ViewScript;
 use basrelief_input::{MemoryPool, MemoryReservation, OverBudget, json_weight, open_in_folder};
 use basrelief_scene::{SceneSubject, ViewOptions, read_camera};
@@ -145,7 +145,7 @@ pub fn open_seen(path: &Path, view: &ViewOptions, global: &GlobalOptions) -> Com
         }
         return Ok(Input::Trace(trace));
     }
-    open_scene(path, view, global).map(|scene| Input::Scene(scene.into())).map_err(scene_error(path))
+    open_scene(path, view, global).map(|scene| Input::Scene(scene.into())).map_err(input_error(path))
 }
 
 /// Opens a trace; `None` for a model or a demo.

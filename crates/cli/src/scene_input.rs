@@ -2,7 +2,7 @@
 
 use crate::error::CommandError;
 use crate::global::GlobalOptions;
-use basrelief_scene::{SceneError, SceneSubject, ViewOptions, load_path_with};
+use basrelief_scene::{MODEL_FILES, SceneError, SceneSubject, ViewOptions, load_path_with};
 use basrelief_signals::Scene;
 use std::path::Path;
 use std::sync::Arc;
@@ -21,6 +21,17 @@ pub fn open_scene(path: &Path, view: &ViewOptions, global: &GlobalOptions) -> Re
     // The memory stays reserved until the end of the program.
     held.keep_forever();
     Ok(Arc::new(scene))
+}
+
+/// As [`scene_error`], for commands that also read traces.
+pub fn input_error(path: &Path) -> impl Fn(SceneError) -> CommandError {
+    let convert = scene_error(path);
+    move |mut error| {
+        if error.expected == MODEL_FILES {
+            error.expected = format!("{MODEL_FILES}, or a trace: .jsonl or .bdl, or either with .zst appended");
+        }
+        convert(error)
+    }
 }
 
 /// Converts an error of a model or a demo. The error may be in a file that the model references, but the message names the model too.

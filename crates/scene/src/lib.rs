@@ -140,6 +140,9 @@ pub struct ImportOptions {
     pub on_read: Option<OnRead>,
 }
 
+/// Expectation of a file that is no known model.
+pub const MODEL_FILES: &str = "a .glb, .gltf or .obj file";
+
 fn import(
     bytes: &[u8],
     name: &str,
@@ -155,9 +158,7 @@ fn import(
     } else if ending == "obj" {
         obj::import(bytes, outside, warnings)
     } else {
-        Err(SceneError::at("", "no known model format")
-            .expected("a .glb, .gltf or .obj file")
-            .cure("convert the model to one of these"))
+        Err(SceneError::at("", "no known model format").expected(MODEL_FILES).cure("convert the model to one of these"))
     }
 }
 

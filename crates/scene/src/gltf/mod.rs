@@ -13,6 +13,7 @@ pub(crate) mod glb;
 mod json;
 mod material;
 mod nodes;
+mod other;
 pub(crate) mod parse;
 mod scene;
 mod skin;

@@ -1,6 +1,7 @@
 //! From text to a [`GltfDocument`].
 
 use super::json::GltfDocument;
+use super::other::other_format;
 use crate::SceneError;
 use crate::outside::ImportContext;
 use basrelief_input::{JsonFault, JsonPath, JsonStep, MemoryReservation, json_weight};
@@ -18,7 +19,10 @@ pub(crate) fn parse(bytes: &[u8], outside: &ImportContext<'_>) -> Result<(GltfDo
             .cure("save the file in UTF-8")
     })?;
     let held = outside.take(json_weight(bytes), "", "its JSON")?;
-    let document = basrelief_input::from_str(text).map_err(|fault| json_error(&fault))?;
+    let document = basrelief_input::from_str(text).map_err(|fault| {
+        let other = if fault.is_data { other_format(text) } else { None };
+        other.unwrap_or_else(|| json_error(&fault))
+    })?;
     Ok((document, held))
 }
 
@@ -70,6 +74,7 @@ mod tests {
             says(r#"{"asset": {"version": "2.0"}, "accessors": [{"type": "VEC3", "componentType": 5126, "count": -1}]}"#),
             "/accessors/0/count (line 1, column 95): the number -1 stands here, expected a non-negative integer; correct it or export the file again"
         );
+        assert!(says(r#"{"accessors": 3}"#).starts_with("is no glTF file"));
         assert!(says(r#"{"asset": {}}"#).starts_with("/asset (line 1, column 12): missing field `version`"));
         assert!(says("{\n\"asset\" 1}").starts_with("line 2, column 9: not valid JSON: expected `:`"));
         assert!(says("{\"asset\": {\"version\": \"2.0\"}} x").contains("trailing characters"));
