@@ -79,7 +79,12 @@ fn recorded_list_is_read_once_per_run() {
 #[test]
 fn empty_comparison_is_an_error() {
     let place = Place::new();
-    assert!(place.run("demo coin --size 16x12 --ablate").error(2).contains("machine `bump` has no shortcuts"));
+    assert!(
+        place
+            .run("demo coin --size 16x12 --ablate")
+            .error(2)
+            .contains("machine `bump` has no short cuts to disable; use --machine shade")
+    );
     place.run("demo goblet --ablate --functional").error(2);
     let outcome = place.run("demo goblet@1 --size 16x12 --ablate --max-cycles 100");
     assert!(outcome.error(1).contains("`as configured`: reached the cycle limit"), "{}", outcome.err);

@@ -129,8 +129,8 @@ impl MachineConfig {
         for_machine!(self, machine => machine.area_model())
     }
 
-    /// Returns the variants of an ablation: the configured machine, the machine without each shortcut, and without all shortcuts.
-    /// Empty if the machine has no shortcuts.
+    /// Returns the variants of an ablation: the configured machine, the machine without each short cut, and without all short cuts.
+    /// Empty if the machine has no short cuts.
     pub fn ablations(&self) -> Vec<(String, Self)> {
         for_machine!(self, machine => ablations(machine))
     }
@@ -193,6 +193,8 @@ pub struct MachineInfo {
     pub left_at: Option<&'static str>,
     /// True if the machine has methods to compare at the same error.
     pub has_methods: bool,
+    /// True if it has short cuts for an ablation.
+    pub has_shortcuts: bool,
     units: fn() -> Vec<UnitInfo>,
     table: fn() -> Vec<Parameter>,
     schema: fn() -> Value,
@@ -234,6 +236,7 @@ impl MachineInfo {
             fetches_tiles: S::FETCHES_TILES,
             left_at: S::LEFT_AT,
             has_methods: S::METHODS.is_some(),
+            has_shortcuts: !S::SHORTCUTS.is_empty(),
             table: || resolved(&S::default()),
             schema: || with_ranges(schema_of::<S>(&format!("config-{}", S::NAME)).to_value(), &S::table()),
             loader: |toml| {

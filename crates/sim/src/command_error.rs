@@ -23,7 +23,7 @@ pub type CommandResult<T = ()> = Result<T, CommandError>;
 impl From<RunError> for CommandError {
     fn from(error: RunError) -> Self {
         match error {
-            RunError::NoShortcuts(_) | RunError::NoMethods(..) | RunError::NoTimes => Self::usage(error),
+            RunError::NoShortcuts(..) | RunError::NoMethods(..) | RunError::NoTimes => Self::usage(error),
             _ => Self::bad_input(error),
         }
     }
@@ -163,7 +163,7 @@ mod tests {
         let of_run = CommandError::of_run("a.bdl");
         assert!(matches!(of_run(RunError::Fault("overflow".into())), CommandError::BadInput(text) if text == "a.bdl: overflow"));
         assert!(
-            matches!(of_run(RunError::NoShortcuts("shade")), CommandError::Usage(text) if text.starts_with("machine `shade`"))
+            matches!(of_run(RunError::NoShortcuts("shade", "bump".into())), CommandError::Usage(text) if text.starts_with("machine `shade`"))
         );
     }
 

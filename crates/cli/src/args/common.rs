@@ -212,7 +212,7 @@ pub struct SimulationArgs {
     /// Write the requests of this memory only. Required for formats of other simulators if the machine has several memories.
     #[arg(long, value_name = "NAME", requires = "requests")]
     pub requests_memory: Option<String>,
-    /// Ablation: run the input with each shortcut of the machine switched off in turn, and with all off. Writes only ablation.json and
+    /// Ablation: run the input with each short cut of the machine switched off in turn, and with all off. Writes only ablation.json and
     /// ablation.csv.
     #[arg(long, conflicts_with_all = ["functional", "timeline", "waves", "tokens", "rtl", "html", "recording", "requests", "costs", "csv", "dump"])]
     pub ablate: bool,

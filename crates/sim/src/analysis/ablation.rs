@@ -1,24 +1,25 @@
-//! Ablation: runs the same input with each shortcut of the machine disabled in turn.
+//! Ablation: runs the same input with each short cut of the machine disabled in turn.
 
 use crate::observer::{FramePictures, Observer};
 use crate::options::{AnalysisPolicy, RunOptions};
 use crate::run::result::{RunError, RunResult};
 use basrelief_input::MemoryReservation;
 use basrelief_kernel::Outcome;
+use basrelief_machines::{MACHINES, MachineInfo};
 use basrelief_report::Report;
 use basrelief_report::ablation::{Ablation, AblationVariant};
 
-/// Runs the machine as configured, without each shortcut in turn, and without all shortcuts. `run` performs one run of the same input
+/// Runs the machine as configured, without each short cut in turn, and without all short cuts. `run` performs one run of the same input
 /// with the given options and observer, without the reference image. That observer forwards only the progress to `observer`.
 ///
 /// # Errors
-/// A machine without shortcuts, a run without time, a run that does not finish, and all errors of `run`.
+/// A machine without short cuts, a run without time, a run that does not finish, and all errors of `run`.
 pub fn ablate<E: From<RunError>>(
     settings: &RunOptions,
     observer: &mut dyn Observer,
     mut run: impl FnMut(&RunOptions, &mut dyn Observer) -> Result<RunResult, E>,
 ) -> Result<Ablation, E> {
-    let no_shortcuts = || RunError::NoShortcuts(settings.config.machine().name);
+    let no_shortcuts = || RunError::NoShortcuts(settings.config.machine().name, machine_names(|machine| machine.has_shortcuts));
     let mut comparison =
         PictureComparison { observer, kept: Vec::new(), held: settings.budget.empty_reservation(), first: true, largest: 0 };
     let mut ablation: Option<Ablation> = None;
@@ -36,6 +37,12 @@ pub fn ablate<E: From<RunError>>(
         (comparison.first, comparison.largest) = (false, 0);
     }
     ablation.ok_or_else(|| no_shortcuts().into())
+}
+
+/// Returns the names of the machines that an analysis supports, for a message.
+pub(crate) fn machine_names(has: impl Fn(&MachineInfo) -> bool) -> String {
+    let names: Vec<&str> = MACHINES.iter().filter(|machine| has(machine)).map(|machine| machine.name).collect();
+    names.join(" or ")
 }
 
 /// Returns the report of a run that finished and has time.

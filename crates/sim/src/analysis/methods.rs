@@ -1,10 +1,10 @@
 //! Comparison of the methods of a machine at the same error bound.
 
-use crate::analysis::ablation::complete;
+use crate::analysis::ablation::{complete, machine_names};
 use crate::observer::Observer;
 use crate::options::{AnalysisPolicy, RunOptions};
 use crate::run::result::{RunError, RunResult};
-use basrelief_machines::{MACHINES, MachineConfig, MachineSpec, MethodNumber, MethodSpec, MethodSpecs, for_machine};
+use basrelief_machines::{MachineConfig, MachineSpec, MethodNumber, MethodSpec, MethodSpecs, for_machine};
 use basrelief_report::Report;
 use basrelief_report::methods::{MethodComparison, MethodResult, figure};
 
@@ -34,10 +34,7 @@ where
     MachineConfig: From<S>,
 {
     fn compare(mut self) -> Result<MethodComparison, E> {
-        let no_methods = || {
-            let others: Vec<&str> = MACHINES.iter().filter(|m| m.has_methods).map(|m| m.name).collect();
-            RunError::NoMethods(S::NAME, others.join(" or "))
-        };
+        let no_methods = || RunError::NoMethods(S::NAME, machine_names(|machine| machine.has_methods));
         let specs = S::METHODS.ok_or_else(no_methods)?;
         let mut table: Option<MethodComparison> = None;
         for method in specs.methods {

@@ -25,9 +25,9 @@ pub enum RunError {
     /// Error of the observer.
     #[error("{0}")]
     Observer(String),
-    /// The machine has no shortcuts for an ablation.
-    #[error("machine `{0}` has no shortcuts to disable")]
-    NoShortcuts(&'static str),
+    /// The machine has no short cuts for an ablation.
+    #[error("machine `{0}` has no short cuts to disable; use --machine {1}")]
+    NoShortcuts(&'static str, String),
     /// The machine has no methods to compare.
     #[error("machine `{0}` has no methods to compare; use --machine {1}")]
     NoMethods(&'static str, String),
