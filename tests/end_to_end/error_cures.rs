@@ -25,7 +25,15 @@ fn missing_input_of_every_command_has_a_cure() {
     ] {
         let outcome = place.run(line);
         let error = outcome.error(1);
-        assert!(error.contains(&format!("; expected an existing file; did you mean `{near}`?")), "{line}: {error}");
+        assert!(
+            error.contains(&format!("; expected an existing file; did you mean `{near}`? Otherwise check")),
+            "{line}: {error}"
+        );
+    }
+    for line in ["demo --config nix.toml", "sweep nosuch.toml"] {
+        let outcome = place.run(line);
+        let cure = "expected an existing file; check the name, which is looked up from the current folder";
+        assert!(outcome.error(1).contains(cure), "{line}: {}", outcome.err);
     }
     let far = place.run("run none/model.glb");
     assert!(far.error(1).contains("the folder none does not exist; check the name, which is looked up"), "{}", far.err);

@@ -42,7 +42,7 @@ pub use error::{ConfigError, RangeError};
 pub use fields::{Field, FieldMut, Fields, ParameterValue, from_json, to_json};
 pub use json::ReportConfig;
 pub use load::{Loader, is_given, load};
-pub use suggestion::nearest;
+pub use suggestion::{edit_distance, nearest};
 pub use table::{Effect, Parameter, Parameters, Provenance, as_option, resolved, value_of};
 pub use toml_fault::{FieldPositions, TomlFault};
 pub use user_settings::UserSettings;

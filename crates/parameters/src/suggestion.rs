@@ -1,12 +1,18 @@
 //! The known name that a mistyped name probably means.
 
-/// Returns the known name, dotted or not, that is nearest to the `given` one, if any is near.
+/// Returns the known name, dotted or not, that is nearest to the `given` one, if any is near. Of equally near names it prefers the one whose
+/// parts begin with the given parts, then the one that is nearest as a whole.
 pub fn nearest<'a>(given: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    let near = known.filter_map(|k| Some((distance(given, k)?, k)));
-    near.min_by_key(|(edits, _)| *edits).map(|(_, k)| k)
+    let near = known.filter_map(|k| Some(((distance(given, k)?, changed_parts(given, k), edit_distance(given, k)), k)));
+    near.min_by_key(|(order, _)| *order).map(|(_, k)| k)
 }
 
-/// Returns the Levenshtein distance between the `given` name and a `known` name or its group; `None` if more than half of the name or of its
+/// Returns the number of parts of a known name that do not begin with the given part at the same place.
+fn changed_parts(given: &str, known: &str) -> usize {
+    given.split('.').zip(known.split('.')).filter(|(given, known)| !known.starts_with(given)).count()
+}
+
+/// Returns the edit distance between the `given` name and a `known` name or its group; `None` if more than half of the name or of its
 /// last part differs, because such a suggestion would mislead. An equal last part has a bonus, because users forget groups more often
 /// than they mistype.
 fn distance(given: &str, known: &str) -> Option<usize> {
@@ -15,23 +21,46 @@ fn distance(given: &str, known: &str) -> Option<usize> {
     let group = known.split('.').take(given.split('.').count()).collect::<Vec<_>>().join(".");
     let end = last(given);
     // The rest of a name may be missing.
-    let has_near_end = |name: &str| last(name).starts_with(&end) || is_near(edits(&end, &last(name)), &end);
-    let by_end = 1 + 2 * edits(&end, &last(known));
-    let all = [(edits(given, known), known), (edits(given, &group), &group), (by_end, known)];
+    let has_near_end = |name: &str| last(name).starts_with(&end) || is_near(edit_distance(&end, &last(name)), &end);
+    let by_end = 1 + 2 * edit_distance(&end, &last(known));
+    let all = [(edit_distance(given, known), known), (edit_distance(given, &group), &group), (by_end, known)];
     let near = all.into_iter().filter(|(edits, name)| is_near(*edits, given) && has_near_end(name));
     near.map(|(edits, _)| edits).min()
 }
 
-fn edits(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
+/// Returns the least number of inserted, removed, replaced, or exchanged neighbouring characters between two names.
+pub fn edit_distance(a: &str, b: &str) -> usize {
+    let [a, b] = [a, b].map(|name| name.chars().collect::<Vec<char>>());
+    let mut before: Vec<usize> = Vec::new();
     let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
+    for (i, x) in a.iter().enumerate() {
+        let mut next = vec![i + 1];
         for (j, y) in b.iter().enumerate() {
-            let next = (row[j] + 1).min(row[j + 1] + 1).min(diagonal + usize::from(x != *y));
-            diagonal = std::mem::replace(&mut row[j + 1], next);
+            let edits = (next[j] + 1).min(row[j + 1] + 1).min(row[j] + usize::from(x != y));
+            let is_exchange = i > 0 && j > 0 && *x == b[j - 1] && a[i - 1] == *y;
+            next.push(if is_exchange { edits.min(before[j - 1] + 1) } else { edits });
         }
+        before = std::mem::replace(&mut row, next);
     }
     row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edit_distance_counts_exchanges_once() {
+        for (a, b, edits) in
+            [("", "ab", 2), ("baord", "board", 1), ("cycels", "cycles", 1), ("lst", "list", 1), ("abc", "xyz", 3)]
+        {
+            assert_eq!([edit_distance(a, b), edit_distance(b, a)], [edits; 2], "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn name_with_the_given_beginning_is_preferred() {
+        let known = ["clients.held.bytes", "clients.colour_read.bytes", "clients.z_write.bytes", "clients.z_read.bytes"];
+        assert_eq!(nearest("clients.z.bytes", known.into_iter()), Some("clients.z_read.bytes"));
+    }
 }

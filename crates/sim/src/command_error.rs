@@ -105,9 +105,11 @@ mod tests {
             std::fs::write(folder.path().join(name), "").unwrap();
         }
         let text = |path: &Path| error(io::ErrorKind::NotFound, path, "be read");
-        let meant = |path: &str| format!("entity not found; expected an existing file; did you mean `{path}`?");
+        let meant = |path: &str, check: &str| {
+            format!("entity not found; expected an existing file; did you mean `{path}`? Otherwise check the name{check}")
+        };
         for (given, file) in [("patch.obj", "patch.gltf"), ("patch", "patch.gltf"), ("baord.glb", "board.glb")] {
-            let expected = meant(&folder.path().join(file).display().to_string());
+            let expected = meant(&folder.path().join(file).display().to_string(), "");
             assert_eq!(text(&folder.path().join(given)), expected, "{given}");
         }
         let in_its_place = error(io::ErrorKind::IsADirectory, folder.path(), "be read");
@@ -116,7 +118,11 @@ mod tests {
         // A page is an output.
         assert!(!text(&folder.path().join("zzzz.gltf")).contains("did you mean"));
         for demo in ["golf-ball", "goblet@8"] {
-            assert_eq!(text(Path::new(demo)), meant(&format!("demo:{demo}")));
+            assert_eq!(text(Path::new(demo)), meant(&format!("demo:{demo}"), ", which is looked up from the current folder"));
+        }
+        for far in ["batch.gltf", "pot.gltf", "p.toml", "boar.glb", "bard.glb"] {
+            let is_near = ["batch.gltf", "boar.glb", "bard.glb"].contains(&far);
+            assert_eq!(text(&folder.path().join(far)).contains("did you mean"), is_near, "{far}");
         }
     }
 

@@ -1,7 +1,7 @@
 //! Reason and cure of an error with a file.
 
 use basrelief_machines::MACHINES;
-use basrelief_parameters::nearest;
+use basrelief_parameters::edit_distance;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
@@ -22,7 +22,9 @@ pub fn reason_and_cure(path: &Path, doing: &str, error: &io::Error) -> String {
     let (is_output, is_input) = (matches!(doing, "be written" | "be created"), doing == "be read");
     let is_standard_input = is_input && path == Path::new("-");
     match error.kind() {
-        ErrorKind::NotFound if is_input && !is_standard_input => format!("{error}; {}", missing_input(path)),
+        ErrorKind::NotFound if is_input && !is_standard_input => {
+            missing_input(path, "check the name, which is looked up from the current folder", error)
+        }
         ErrorKind::NotFound if is_output && is_missing(folder_of(path)) => {
             format!("{error}; create the folder {} first", folder_of(path).display())
         }
@@ -61,18 +63,24 @@ pub(crate) fn blocking_file(folder: &Path) -> Option<PathBuf> {
     folder.ancestors().find(|path| path.exists()).filter(|path| !path.is_dir()).map(Path::to_path_buf)
 }
 
-/// Returns the expectation and the cure for an input that does not exist.
-fn missing_input(path: &Path) -> String {
+/// Returns the reason and the cure of a file that a plan names and that does not exist.
+pub fn missing_in_plan(path: &Path, error: &io::Error) -> String {
+    missing_input(path, "check the name, which is looked up from the folder of the plan", error)
+}
+
+/// Returns the reason, the expectation and the cure for an input that does not exist. `check` is the cure, unless the path is absolute.
+fn missing_input(path: &Path, check: &str, error: &io::Error) -> String {
+    let check = if path.is_absolute() { "check the name" } else { check };
     let mut names = demo_input(path).map_or_else(|| similar_files(path), |demo| vec![demo]);
     names.truncate(MOST_NAMES);
     let absent = path.ancestors().skip(1).filter(|folder| is_missing(folder)).last();
     if !names.is_empty() {
         let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
-        format!("expected an existing file; did you mean {}?", names.join(" or "))
+        format!("{error}; expected an existing file; did you mean {}? Otherwise {check}", names.join(" or "))
     } else if let Some(folder) = absent {
-        format!("the folder {} does not exist; {}", folder.display(), check_of(path))
+        format!("{error}; the folder {} does not exist; {check}", folder.display())
     } else {
-        format!("expected an existing file; {}", check_of(path))
+        format!("{error}; expected an existing file; {check}")
     }
 }
 
@@ -87,10 +95,6 @@ pub fn is_model(path: &Path) -> bool {
     path.extension().is_some_and(|given| MODELS.iter().any(|model| given.eq_ignore_ascii_case(model)))
 }
 
-fn check_of(path: &Path) -> &'static str {
-    if path.is_absolute() { "check the name" } else { "check the name, which is looked up from the current folder" }
-}
-
 /// Returns `demo:NAME` if the path is the name of a demo, with or without a tessellation.
 fn demo_input(path: &Path) -> Option<String> {
     let given = path.to_str()?;
@@ -103,19 +107,18 @@ pub fn is_demo(name: &str) -> bool {
     MACHINES.iter().any(|machine| machine.demos.contains(&demo))
 }
 
-/// Returns the files beside a missing file that have its name with another extension, or else the file with the nearest name.
+/// Returns the files beside a missing file that have its name with another extension, or else the file with the nearest name, if at most a
+/// third of the name differs.
 fn similar_files(path: &Path) -> Vec<String> {
     let Some(given) = path.file_name().and_then(|name| name.to_str()) else { return Vec::new() };
     let mut names = names_in(folder_of(path));
     names.retain(|name| extension(name) == extension(given) || !OUTPUTS.contains(&extension(name)));
     let stem = |name: &str| name.split('.').next().unwrap_or_default().to_owned();
+    let edits = |name: &str| edit_distance(&stem(given), &stem(name));
     let mut similar: Vec<&String> = names.iter().filter(|name| stem(name) == stem(given)).collect();
     if similar.is_empty() {
-        // A dot separates groups of parameters, but an equal extension does not make two files similar.
-        let plain = |name: &str| name.replace('.', "_");
-        let known: Vec<String> = names.iter().map(|name| plain(name)).collect();
-        let near = nearest(&plain(given), known.iter().map(String::as_str));
-        similar = names.iter().filter(|name| near == Some(&*plain(name))).take(1).collect();
+        let most = stem(given).chars().count() / 3;
+        similar = names.iter().filter(|name| edits(name) <= most).min_by_key(|name| edits(name)).into_iter().collect();
     }
     similar.into_iter().map(|name| path.with_file_name(name).display().to_string()).collect()
 }
