@@ -53,6 +53,23 @@ fn view_of_a_plan_is_relative_to_it() {
 }
 
 #[test]
+fn missing_file_of_a_plan_is_relative_to_it() {
+    let place = Place::new();
+    fs::create_dir(place.path("plans")).unwrap();
+    let cure = "expected an existing file; check the name, which is looked up from the folder of the plan";
+    for (line, expected) in [
+        ("input = \"none.obj\"\nview.zoom = 2", "line 1: input: plans/none.obj: cannot be read: "),
+        ("input = \"demo:coin\"\nview.camera = \"none.json\"", "line 2: view.camera: plans/none.json: cannot be read: "),
+        ("input = \"demo:coin\"\nconfig = \"none.toml\"", "line 2: config: plans/none.toml: cannot be read: "),
+    ] {
+        fs::write(place.path("plans/plan.toml"), format!("{line}\nobjectives = [\"cycles min\"]\n")).unwrap();
+        let outcome = place.run("sweep plans/plan.toml --list");
+        let error = outcome.error(1);
+        assert!(error.contains(expected) && error.contains(cure), "{error}");
+    }
+}
+
+#[test]
 fn parameter_of_other_machine_is_cured_in_plan_and_trace() {
     let place = Place::new();
     fs::write(place.path("other.toml"), "\n[shade]\nmode = \"normal\"\n").unwrap();

@@ -7,7 +7,7 @@ use crate::input::{ResolvedView, TraceFile, open_trace, read_text, resolve_view}
 use crate::interrupt;
 use crate::outputs::{PartialFile, check_outputs_keep_inputs};
 use crate::progress::PointProgress;
-use crate::scene_input::{demo_of, open_scene, scene_error};
+use crate::scene_input::{demo_of, input_error, open_scene};
 use basrelief_dse::{
     OpenError, OpenedInput, Plan, PlanPoint, SweepError, SweepFolder, SweepHost, SweepJob, SweepProgress, tables,
 };
@@ -15,7 +15,7 @@ use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_parameters::nearest;
 use basrelief_reference::RgbPicture;
 use basrelief_scene::ViewOptions;
-use basrelief_sim::{PreparedScene, RunInput, TOML_GROWTH, reason_and_cure, to_png};
+use basrelief_sim::{PreparedScene, RunInput, TOML_GROWTH, missing_in_plan, reason_and_cure, to_png};
 use basrelief_threads as threads;
 use clap::{CommandFactory, Parser};
 use serde_json::{Map, Value, json};
@@ -139,6 +139,17 @@ impl SweepProgram<'_> {
         path
     }
 
+    /// Returns the path of a file that the plan names and that exists.
+    fn existing_path_of(&self, name: &str) -> Result<PathBuf, String> {
+        let path = self.path_of(name);
+        match path.metadata() {
+            Err(error) if error.kind() == io::ErrorKind::NotFound && self.plan.parent().is_some() => {
+                Err(format!("{}: cannot be read: {}", path.display(), missing_in_plan(&path, &error)))
+            }
+            _ => Ok(path),
+        }
+    }
+
     /// Refuses outputs that are among the files that the plan names, or the plan itself.
     fn check_outputs(&self, outputs: &[(&str, &Path)]) -> Result<(), String> {
         let read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
@@ -156,10 +167,11 @@ impl SweepProgram<'_> {
         }
         let option = |(name, value): &(String, String)| {
             let is_file = ["camera", "views"].contains(&name.as_str());
-            let value = if is_file { self.path_of(value).display().to_string() } else { value.clone() };
-            format!("--{}={value}", name.replace('_', "-"))
+            let value = if is_file { self.existing_path_of(value)?.display().to_string() } else { value.clone() };
+            Ok(format!("--{}={value}", name.replace('_', "-")))
         };
-        let parsed = ViewCommand::try_parse_from(view.iter().map(option)).map_err(|error| {
+        let options = view.iter().map(option).collect::<Result<Vec<_>, String>>()?;
+        let parsed = ViewCommand::try_parse_from(options).map_err(|error| {
             let text = error.to_string();
             text.lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned()
         })?;
@@ -171,7 +183,9 @@ impl SweepProgram<'_> {
 impl SweepHost for SweepProgram<'_> {
     fn open(&self, name: &str, view: &[(String, String)]) -> Result<OpenedInput, OpenError> {
         let options = OpenError::in_view(view, |view| self.view(view))?;
-        let path = if demo_of(Path::new(name)).is_some() { name.into() } else { self.path_of(name) };
+        let is_demo = demo_of(Path::new(name)).is_some();
+        let path = if is_demo || name == "-" { Ok(name.into()) } else { self.existing_path_of(name) };
+        let path: PathBuf = path.map_err(OpenError::Input)?;
         let once =
             || OpenError::Input(format!("{name}: can be read only once, but every run of a sweep reads it; expected a file"));
         if path == Path::new("-") {
@@ -180,7 +194,7 @@ impl SweepHost for SweepProgram<'_> {
         let Some(trace) = open_trace(&path).map_err(|error| OpenError::Input(error.to_string()))? else {
             let scene = open_scene(&path, &options, self.global).map_err(|error| {
                 let (place, of_option) = (error.place.clone(), error.in_option().to_string());
-                OpenError::at_place(&place, view, of_option, scene_error(&path)(error).to_string())
+                OpenError::at_place(&place, view, of_option, input_error(&path)(error).to_string())
             })?;
             return Ok(OpenedInput::Scene(PreparedScene::cached(scene, &self.global.budget)));
         };
@@ -196,7 +210,7 @@ impl SweepHost for SweepProgram<'_> {
     }
 
     fn text(&self, name: &str) -> Result<String, String> {
-        let read = read_text(&self.path_of(name), "parameters of a machine (TOML or JSON)", &self.global.budget);
+        let read = read_text(&self.existing_path_of(name)?, "parameters of a machine (TOML or JSON)", &self.global.budget);
         read.map(|(text, _)| text).map_err(|failure| failure.to_string())
     }
 
