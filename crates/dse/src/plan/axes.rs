@@ -149,19 +149,15 @@ fn range_values(range: &Table) -> Result<Vec<Value>, String> {
     let RangeSteps { from, to, step, factor } =
         RangeSteps::deserialize(range.clone()).map_err(|error| wrong(plain_message(error.message().trim(), TextFormat::Toml)))?;
     let is_whole = range.values().all(|value| !value.is_float());
-    let grows = |x: f64| match (step, factor) {
-        (Some(step), None) => Ok(x + step),
-        (None, Some(factor)) => Ok(x * factor),
-        _ => Err(wrong("a range goes by a step or by a factor".into())),
-    };
     let numbers = [("from", Some(from)), ("to", Some(to)), ("step", step), ("factor", factor)];
     let infinite = numbers.into_iter().find_map(|(name, x)| Some((name, x.filter(|x| !x.is_finite())?)));
     if let Some((name, x)) = infinite {
         return Err(wrong(format!("`{name}` is {x}, which is no finite number")));
     }
-    if from > to || grows(from)? <= from {
-        return Err(wrong("it does not rise from its first value to its last".into()));
+    if from > to {
+        return Err(wrong(format!("it does not rise from its first value to its last: `from` is {from}, and `to` is {to}")));
     }
+    check_growth(from, step, factor).map_err(wrong)?;
     let mut values = Vec::new();
     // The value follows from its number and not from the previous value, so rounding errors do not add up.
     for n in 0_u32.. {
@@ -180,6 +176,17 @@ fn range_values(range: &Table) -> Result<Vec<Value>, String> {
         values.push(if is_whole { Value::Integer(x as i64) } else { Value::Float(x) });
     }
     Ok(values)
+}
+
+/// Checks that the second value of a range is larger than the first.
+fn check_growth(from: f64, step: Option<f64>, factor: Option<f64>) -> Result<(), String> {
+    match (step, factor) {
+        (Some(step), None) if from + step <= from => Err(format!("`step` is {step}, but must raise `from`, {from}")),
+        (None, Some(factor)) if factor <= 1.0 => Err(format!("`factor` is {factor}, but must be above 1")),
+        (None, Some(factor)) if from * factor <= from => Err(format!("`from` is {from}, but must be above 0 for a factor")),
+        (Some(_), None) | (None, Some(_)) => Ok(()),
+        _ => Err("a range goes by a step or by a factor".into()),
+    }
 }
 
 /// A value as a cell of a table.
@@ -236,7 +243,12 @@ mod tests {
         says("[axes]\na = { from = 1, to = 4, step = 1, factor = 2 }", "a range goes by a step or by a factor");
         says("[axes]\na = { from = 1, to = 4, stp = 1 }", "axes.a: unknown field `stp`");
         says("[axes]\na = { from = 4, to = 1, step = 1 }", "it does not rise from its first value to its last");
-        says("[axes]\na = { from = 0, to = 1, factor = 2 }", "it does not rise");
+        says("[axes]\na = { from = 0, to = 1, factor = 2 }", "axes.a: `from` is 0, but must be above 0 for a factor; expected");
+        says(
+            "[axes]\na = { from = 2, to = 9, step = 0 }",
+            "axes.a: `step` is 0, but must raise `from`, 2; expected a range such",
+        );
+        says("[axes]\na = { from = 2, to = 9, factor = 1 }", "axes.a: `factor` is 1, but must be above 1; expected a range such");
         says("[axes]\na = { from = 1, to = inf, step = 1 }", "axes.a: `to` is inf, which is no finite number; expected a range");
         says("[axes]\na = { from = -inf, to = 1, step = 1 }", "`from` is -inf, which is no finite number");
         says("[axes]\na = { from = 1, to = 2, step = nan }", "`step` is NaN, which is no finite number");

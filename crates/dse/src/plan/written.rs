@@ -115,9 +115,24 @@ impl ObjectiveFields {
     }
 }
 
+/// Fields that every plan has, each with its expectation and an example.
+const REQUIRED: [(&str, &str, &str); 2] = [
+    ("input", "the name of an input, or a list of them", "\"demo:golf-ball\""),
+    ("objectives", "a list of figures with their goals", "[\"cycles min\"]"),
+];
+
 impl PlanFile {
     pub(super) fn parse(text: &str) -> Result<Self, TomlFault> {
-        toml::from_str(text).map_err(|error| TomlFault::of_reader(text, &error))
+        toml::from_str(text).map_err(|error: toml::de::Error| {
+            let missing = error.message().strip_prefix("missing field ").unwrap_or_default();
+            match REQUIRED.iter().find(|(field, ..)| missing == format!("`{field}`")) {
+                Some((field, expected, example)) => TomlFault::new(
+                    &[""; 0],
+                    format!("{field}: is missing; expected {expected}; add for example {field} = {example}"),
+                ),
+                None => TomlFault::of_reader(text, &error),
+            }
+        })
     }
 
     /// Returns the inputs, each with its path in the plan.

@@ -205,8 +205,14 @@ fn plan_errors_name_line_and_key() {
 #[test]
 fn plan_head_errors_name_the_field() {
     let cases = [
-        ("objectives = [\"cycles min\"]", "missing field `input`"),
-        ("input = \"demo:coin\"", "missing field `objectives`"),
+        (
+            "objectives = [\"cycles min\"]",
+            "input: is missing; expected the name of an input, or a list of them; add for example input = \"demo:golf-ball\"",
+        ),
+        (
+            "input = \"demo:coin\"",
+            "objectives: is missing; expected a list of figures with their goals; add for example objectives = [\"cycles min\"]",
+        ),
         ("input = 3\nobjectives = []", "expected the name of an input, such as \"demo:golf-ball\", or a list of them"),
         ("input = []\nobjectives = [\"cycles min\"]", "input: names nothing; expected one input at least"),
         ("input = \"demo:teapot\"\nobjectives = [\"cycles min\"]", "input: demo: no demo is called `teapot`; expected golf-ball"),
