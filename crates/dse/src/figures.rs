@@ -33,6 +33,9 @@ const RENAMED: [(&str, &str); 5] = [
     ("bus_utilisation", "bus_utilization"),
 ];
 
+/// Short names of figures. A suggestion prefers them to the paths.
+const SHORT_NAMES: [&str; 1] = ["cycles"];
+
 /// Returns the path of a name in a plan.
 pub fn path_of(name: &str) -> String {
     let Some((group, last)) = name.rsplit_once('.') else {
@@ -88,7 +91,7 @@ pub fn figure_of(report: &Value, name: &str) -> Result<Cell, String> {
 
 /// Returns the message for an unknown figure.
 pub(crate) fn no_figure(name: &str, known: &[ReportFigure]) -> String {
-    let near = nearest(name, known.iter().map(|figure| figure.name.as_str()));
+    let near = nearest(name, SHORT_NAMES.into_iter().chain(known.iter().map(|figure| figure.name.as_str())));
     let hint = near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
     format!("the report has no figure `{name}`{hint} (docs/guide/sweep-and-explore.md says how they are named)")
 }
@@ -217,7 +220,7 @@ mod tests {
         let report = json!({
             "cycles": { "total": 10, "frames": [7], "write_tail": 3 },
             "units": { "a": { "numeral": 11, "busy": 4, "tokens": 2, "starved": { "in": 6 } } },
-            "memories": { "m": { "clients": { "z": { "read_bytes": 5, "write_bytes": 8 } }, "channels": [{ "row_hits": 1 }], "bytes": { "moved": 64 } } },
+            "memories": { "m": { "clients": { "held": { "read_bytes": 1 }, "z_read": { "read_bytes": 5, "write_bytes": 8 } }, "channels": [{ "row_hits": 1 }], "bytes": { "moved": 64 } } },
             "bytes": { "requested": 13, "moved": 64 },
             "hardware": [{ "place": "a", "kind": "table", "description": "x", "count": 8, "width": 3, "area_ge": 90, "register_bits": 24 }],
             "figures": { "fragments": 9, "names": "x", "levels": [1, 2], "none": [], "waits": [1, 0.5], "words": ["y"] },
@@ -241,8 +244,9 @@ mod tests {
                 "units.a.starved.in = 6 cycles",
                 "units.a.tokens = 2 tokens",
                 "memories.m.bytes.moved = 64 bytes",
-                "memories.m.clients.z.read_bytes = 5 bytes",
-                "memories.m.clients.z.write_bytes = 8 bytes",
+                "memories.m.clients.held.read_bytes = 1 bytes",
+                "memories.m.clients.z_read.read_bytes = 5 bytes",
+                "memories.m.clients.z_read.write_bytes = 8 bytes",
                 "quality.frames.0.psnr_db = 20.5 dB",
                 "quality.frames.1.psnr_db = 30.5 dB",
                 "cycles.frames = 7 cycles",
@@ -261,7 +265,10 @@ mod tests {
         );
         assert_eq!(figure_of(&report, "cycles"), Ok(Cell::Whole(7)));
         assert_eq!(figure_of(&report, "hardware.area_ge"), Ok(Cell::Whole(90)));
-        assert!(figure_of(&report, "hardware.aera_ge").unwrap_err().contains("did you mean `hardware.area_ge`?"));
+        let meant = |name: &str| figure_of(&report, name).unwrap_err().split('`').nth(3).map(str::to_owned);
+        assert_eq!(meant("hardware.aera_ge").as_deref(), Some("hardware.area_ge"));
+        assert_eq!(meant("cycels").as_deref(), Some("cycles"));
+        assert_eq!(meant("memories.m.clients.z.read_bytes").as_deref(), Some("memories.m.clients.z_read.read_bytes"));
         let paths = ["cycles", "cycles.drain", "derived.a.utilisation", "caches.c.hits", "memories.bytes"].map(path_of);
         assert_eq!(paths, ["cycles.frames", "cycles.write_tail", "derived.a.utilization", "caches.c.hits", "bytes.moved"]);
     }
