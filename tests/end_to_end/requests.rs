@@ -31,6 +31,18 @@ fn both_engines_write_the_same_requests() {
 }
 
 #[test]
+fn outputs_named_zst_are_compressed() {
+    let place = Place::new();
+    for ending in ["", ".zst"] {
+        place.ok(&format!("{CORRIDOR} --no-exact --requests all.csv{ending} --timeline t.pftrace{ending}"));
+    }
+    for name in ["all.csv", "t.pftrace"] {
+        let compressed = place.bytes(&format!("{name}.zst"));
+        assert!(zstd::decode_all(&*compressed).unwrap() == place.bytes(name), "{name}");
+    }
+}
+
+#[test]
 fn all_requests_are_written_once_in_arrival_order() {
     let place = Place::new();
     place.ok(&format!("{CORRIDOR} --requests all.csv"));

@@ -8,7 +8,7 @@ use basrelief_sim::{
     ChartOutput, ChartOutputs, ChartRange, ChartRangeError, MemoryRequests, RequestFormat, RequestLog, RequestLogError,
     RunCharts, RunInput, RunOptions, RunResult, TokenSample, WriteSeek, logged_memories,
 };
-use basrelief_timeline::CompressedChart;
+use basrelief_timeline::NamedOutput;
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::{FromPyObject, Python, pyfunction};
 use std::collections::BTreeMap;
@@ -106,8 +106,10 @@ impl OutputArguments {
                 )),
                 RequestLogError::UnknownMemory { .. } => CommandError::Usage(format!("requests_memory: {error}")),
             })?;
-        let log = RequestLog::new(create(path)?, format, memories, tempfile::tempfile);
-        Ok(Some(RequestsFile { path: path.clone(), log: log.map_err(CommandError::at_file(path, "be written"))? }))
+        let log = NamedOutput::new(create(path)?, path)
+            .and_then(|out| RequestLog::new(out, format, memories, tempfile::tempfile))
+            .map_err(CommandError::at_file(path, "be written"))?;
+        Ok(Some(RequestsFile { path: path.clone(), log }))
     }
 }
 
@@ -152,8 +154,9 @@ impl ChartFiles {
     pub fn record(&mut self, run: impl FnOnce(&mut dyn Probe) -> CommandResult<RunResult>) -> CommandResult<RunResult> {
         let Self { charts, timeline, waves, tokens, sample } = self;
         let named = |file: &PartialFile| file.path().display().to_string();
-        let tokens = tokens.as_mut().map(|file| CommandResult::Ok(((named(file), token_writer(file)?), *sample))).transpose()?;
-        let timeline = timeline.as_mut().map(|file| -> ChartOutput<dyn Write + '_> { (named(file), Box::new(file)) });
+        let chart = |file| -> CommandResult<ChartOutput<dyn Write + '_>> { Ok((named(file), chart_writer(file)?)) };
+        let tokens = tokens.as_mut().map(chart).transpose()?.map(|out| (out, *sample));
+        let timeline = timeline.as_mut().map(chart).transpose()?;
         let waves = waves.as_mut().map(|file| -> ChartOutput<dyn WriteSeek + '_> { (named(file), Box::new(file)) });
         charts.record(ChartOutputs { timeline, waves, tokens }, Box::new(run))
     }
@@ -165,18 +168,15 @@ impl ChartFiles {
 }
 
 /// Returns a writer that compresses if the file name ends in .zst.
-fn token_writer(file: &mut PartialFile) -> CommandResult<Box<dyn Write + '_>> {
-    if file.path().extension().is_none_or(|extension| extension != "zst") {
-        return Ok(Box::new(file));
-    }
-    let failed = CommandError::at_file(file.path(), "be written");
-    Ok(Box::new(BufWriter::new(CompressedChart::new(file).map_err(failed)?)))
+fn chart_writer(file: &mut PartialFile) -> CommandResult<Box<dyn Write + '_>> {
+    let (path, failed) = (file.path().to_path_buf(), CommandError::at_file(file.path(), "be written"));
+    Ok(Box::new(NamedOutput::new(file, &path).map_err(failed)?))
 }
 
 /// The file of memory requests.
 pub struct RequestsFile {
     path: PathBuf,
-    log: RequestLog<PartialFile, File>,
+    log: RequestLog<NamedOutput<PartialFile>, File>,
 }
 
 impl RequestsFile {
@@ -188,6 +188,6 @@ impl RequestsFile {
     /// Completes and publishes the file.
     pub fn publish(self) -> CommandResult {
         let failed = CommandError::at_file(&self.path, "be written");
-        publish(self.log.finish().map_err(failed)?)
+        publish(self.log.finish().and_then(NamedOutput::finish).map_err(failed)?)
     }
 }

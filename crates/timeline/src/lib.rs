@@ -34,7 +34,7 @@ pub mod wire_log;
 mod wires;
 
 #[cfg(feature = "zstd")]
-pub use compressed::CompressedChart;
+pub use compressed::{CompressedChart, NamedOutput};
 pub use fst::FstWaves;
 pub use kanata::KanataLog;
 pub use layout::TimelineLayout;

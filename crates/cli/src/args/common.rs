@@ -161,7 +161,8 @@ pub struct SimulationArgs {
     /// of a unit.
     #[arg(long)]
     pub costs: bool,
-    /// Write a timeline of all units as a Perfetto trace (open at ui.perfetto.dev).
+    /// Write a timeline of all units as a Perfetto trace (open at ui.perfetto.dev). A name that ends in `.zst` compresses it; Perfetto reads
+    /// it after `zstd -d`.
     #[arg(long, value_name = "FILE", value_parser = output_file(), group = "time_line")]
     pub timeline: Option<PathBuf>,
     /// Write waveforms of all units and FIFOs as an FST file (open in GTKWave or Surfer). They stay in memory until the end of the run,
@@ -203,7 +204,8 @@ pub struct SimulationArgs {
     /// A short recording is always written as run.recording beside the report.
     #[arg(long, value_name = "FILE", value_parser = output_file(), conflicts_with = "functional")]
     pub recording: Option<PathBuf>,
-    /// Write all memory requests, one memory after the other, in order of arrival cycle, then port, then issue.
+    /// Write all memory requests, one memory after the other, in order of arrival cycle, then port, then issue. A name that ends in `.zst`
+    /// compresses the file.
     #[arg(long, value_name = "FILE")]
     pub requests: Option<PathBuf>,
     /// File format of memory requests.

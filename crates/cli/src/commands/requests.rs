@@ -5,6 +5,7 @@ use crate::args::{RequestsFormat, SimulationArgs};
 use crate::error::{CommandError, CommandResult};
 use crate::outputs::{OutputFolder, PartialFile};
 use basrelief_sim::{MachineConfig, MemoryRequests, RequestFormat, RequestLog, RequestLogError, logged_memories};
+use basrelief_timeline::NamedOutput;
 use clap::ValueEnum;
 use std::fs::File;
 use std::path::PathBuf;
@@ -21,10 +22,9 @@ impl From<RequestsFormat> for RequestFormat {
 }
 
 /// The file of `--requests`.
-#[derive(Debug)]
 pub struct RequestsFile {
     path: PathBuf,
-    log: RequestLog<PartialFile, File>,
+    log: RequestLog<NamedOutput<PartialFile>, File>,
 }
 
 impl RequestsFile {
@@ -39,7 +39,8 @@ impl RequestsFile {
         let memories = logged_memories(config, format.into(), simulation.requests_memory.as_deref());
         let memories = memories.map_err(|error| selection_error(format, &error))?;
         let log = PartialFile::create(path)
-            .and_then(|file| RequestLog::new(file, format.into(), memories, || outputs.scratch()))
+            .and_then(|file| NamedOutput::new(file, path))
+            .and_then(|out| RequestLog::new(out, format.into(), memories, || outputs.scratch()))
             .map_err(CommandError::at_file(path, "be written"))?;
         Ok(Some(Self { path: path.clone(), log }))
     }
@@ -57,7 +58,7 @@ impl RequestsFile {
     /// # Errors
     /// A file that cannot be written.
     pub fn finish(self) -> CommandResult<PartialFile> {
-        self.log.finish().map_err(CommandError::at_file(&self.path, "be written"))
+        self.log.finish().and_then(NamedOutput::finish).map_err(CommandError::at_file(&self.path, "be written"))
     }
 }
 

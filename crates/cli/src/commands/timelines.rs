@@ -7,7 +7,7 @@ use basrelief_kernel::Probe;
 use basrelief_sim::{
     ChartOutput, ChartOutputs, ChartRange, ChartRangeError, RunCharts, RunInput, RunOptions, RunResult, TokenSample,
 };
-use basrelief_timeline::CompressedChart;
+use basrelief_timeline::NamedOutput;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -44,18 +44,12 @@ impl TimelineFiles {
     /// Writes the files during a run.
     pub fn record_run(&mut self, run: impl FnOnce(&mut dyn Probe) -> CommandResult<RunResult>) -> CommandResult<RunResult> {
         let Self { charts, timeline, waves, tokens, sample } = self;
-        let tokens = match tokens {
-            Some((file, path)) => Some(((path.display().to_string(), open_writer(file, path)?), *sample)),
-            None => None,
-        };
         let outputs = ChartOutputs {
-            timeline: timeline.as_mut().map(|(file, path)| -> ChartOutput<dyn Write + '_> {
-                (path.display().to_string(), Box::new(BufWriter::new(file)))
-            }),
+            timeline: timeline.as_mut().map(chart_output).transpose()?,
             waves: waves.as_mut().map(|(file, path)| -> ChartOutput<dyn basrelief_sim::WriteSeek + '_> {
                 (path.display().to_string(), Box::new(BufWriter::new(file)))
             }),
-            tokens,
+            tokens: tokens.as_mut().map(chart_output).transpose()?.map(|out| (out, *sample)),
         };
         charts.record(outputs, Box::new(run))
     }
@@ -71,11 +65,13 @@ impl TimelineFiles {
 
 /// Opens a writer that compresses if the file name ends in .zst.
 pub fn open_writer<'a>(file: &'a mut PartialFile, path: &Path) -> CommandResult<Box<dyn Write + 'a>> {
-    if path.extension().is_none_or(|extension| extension != "zst") {
-        return Ok(Box::new(BufWriter::new(file)));
-    }
-    let compressed = CompressedChart::new(file).map_err(CommandError::at_file(path, "be written"))?;
-    Ok(Box::new(BufWriter::new(compressed)))
+    let out = NamedOutput::new(file, path).map_err(CommandError::at_file(path, "be written"))?;
+    Ok(Box::new(out))
+}
+
+/// Opens the output of a chart, compressed if its name ends in .zst.
+fn chart_output((file, path): &mut OutputFile) -> CommandResult<ChartOutput<dyn Write + '_>> {
+    Ok((path.display().to_string(), open_writer(file, path)?))
 }
 
 /// Creates an output file.
