@@ -275,7 +275,7 @@ fn unprintable_report_writes_nothing() {
         assert!(place.names("").is_empty(), "{more}: {:?}", place.names(""));
     }
     place.ok("record PATCH --out t.jsonl");
-    for line in ["convert t.jsonl -", "record PATCH --out -"] {
+    for line in ["convert t.jsonl -", "record PATCH --out -", "--help", "--version", "run --help"] {
         let full = fs::File::options().write(true).open("/dev/full").expect("a device");
         let child = place.command(line).stdout(full).stderr(Stdio::piped()).spawn().expect("starts");
         let said = String::from_utf8_lossy(&child.wait_with_output().expect("a child").stderr).into_owned();

@@ -16,11 +16,25 @@ pub fn print(text: &str) -> CommandResult {
 pub fn print_styled(text: &str, style: TextStyle) -> CommandResult {
     let mut out = io::stdout();
     let text = terminal::without_control_characters(text, style.color);
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    checked(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
+}
+
+/// Converts an error of standard output.
+fn checked(printed: io::Result<()>) -> CommandResult {
+    match printed {
         Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
             Err(CommandError::BadInput(format!("standard output: cannot be written: {e}")))
         }
         _ => Ok(()),
+    }
+}
+
+/// Prints help, version or usage error of the option parser. Returns the exit code.
+pub fn parser_exit_code(stop: &clap::Error) -> ExitCode {
+    let printed = stop.print().and_then(|()| io::stdout().flush());
+    match stop.use_stderr() {
+        true => ExitCode::from(2),
+        false => exit_code(checked(printed)),
     }
 }
 

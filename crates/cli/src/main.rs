@@ -29,8 +29,11 @@ fn main() -> ExitCode {
     let (arguments, notes) = legacy::current_names(std::env::args_os());
     let color = args::ColorMode::find(arguments.iter().filter_map(|arg| arg.to_str()));
     let parsed = args::command().color(color.into()).try_get_matches_from(arguments);
-    let parsed = parsed.unwrap_or_else(|error| args::with_cure(error).exit());
-    let cli = args::Cli::from_arg_matches(&parsed).unwrap_or_else(|error| error.exit());
+    let cli = parsed.map_err(args::with_cure).and_then(|parsed| args::Cli::from_arg_matches(&parsed));
+    let cli = match cli {
+        Ok(cli) => cli,
+        Err(stop) => return error::parser_exit_code(&stop),
+    };
     notes.iter().for_each(|note| terminal::print_note(note));
     let global = global::GlobalOptions::new(&cli);
     interrupt::listen();
