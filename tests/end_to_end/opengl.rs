@@ -86,6 +86,7 @@ fn mistakes_of_an_import_are_named() {
     error("import-gl b.json --out a.gltf", 1, "b.json: cannot be read");
     error("import-gl a.json --out a.obj", 2, "--out a.obj: expected a name that ends in .gltf");
     error("import-gl a.json --out a.gltf --map uvw=x", 2, "`uvw` is no key; expected one of position");
+    error("import-gl a.json --out a.gltf --map light=20:20", 2, "`20:20` is no value of `light`; expected `none`, three numbers");
     error("import-gl --out a.gltf", 2, "<DUMP>");
     fs::write(place.path("a.camera.json"), "{}").unwrap();
     error("import-gl a.camera.json --out a.gltf", 2, "a.camera.json");
