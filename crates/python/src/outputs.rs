@@ -13,7 +13,7 @@ use pyo3::pybacked::PyBackedBytes;
 use pyo3::{FromPyObject, Python, pyfunction};
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::Write;
 use std::num::NonZeroU64;
 use std::path::{Path, PathBuf};
 
@@ -153,11 +153,9 @@ impl ChartFiles {
     /// Writes the files during a run.
     pub fn record(&mut self, run: impl FnOnce(&mut dyn Probe) -> CommandResult<RunResult>) -> CommandResult<RunResult> {
         let Self { charts, timeline, waves, tokens, sample } = self;
-        let named = |file: &PartialFile| file.path().display().to_string();
-        let chart = |file| -> CommandResult<ChartOutput<dyn Write + '_>> { Ok((named(file), chart_writer(file)?)) };
-        let tokens = tokens.as_mut().map(chart).transpose()?.map(|out| (out, *sample));
-        let timeline = timeline.as_mut().map(chart).transpose()?;
-        let waves = waves.as_mut().map(|file| -> ChartOutput<dyn WriteSeek + '_> { (named(file), Box::new(file)) });
+        let tokens = tokens.as_mut().map(chart_output).transpose()?.map(|out| (out, *sample));
+        let timeline = timeline.as_mut().map(chart_output).transpose()?;
+        let waves = waves.as_mut().map(|file| -> ChartOutput<dyn WriteSeek + '_> { (shown(file), Box::new(file)) });
         charts.record(ChartOutputs { timeline, waves, tokens }, Box::new(run))
     }
 
@@ -167,10 +165,15 @@ impl ChartFiles {
     }
 }
 
-/// Returns a writer that compresses if the file name ends in .zst.
-fn chart_writer(file: &mut PartialFile) -> CommandResult<Box<dyn Write + '_>> {
-    let (path, failed) = (file.path().to_path_buf(), CommandError::at_file(file.path(), "be written"));
-    Ok(Box::new(NamedOutput::new(file, &path).map_err(failed)?))
+fn shown(file: &PartialFile) -> String {
+    file.path().display().to_string()
+}
+
+/// Opens the output of a chart, compressed if its name ends in .zst.
+fn chart_output(file: &mut PartialFile) -> CommandResult<ChartOutput<dyn Write + '_>> {
+    let path = file.path().to_path_buf();
+    let out = NamedOutput::new(file, &path).map_err(CommandError::at_file(&path, "be written"))?;
+    Ok((path.display().to_string(), Box::new(out)))
 }
 
 /// The file of memory requests.
