@@ -120,13 +120,12 @@ impl<W: Write> PerfettoTrace<W> {
         };
         let banks = levels.channels.iter().flat_map(banks_of).collect();
         let (scale, buffer) = (TimeScale::nanoseconds(board.hz), Vec::with_capacity(2 * CHUNK));
-        let (tail, arguments) = (tail(), vec![]);
         let mut timeline = Self {
             out,
             buffer,
             scale,
-            tail,
-            arguments,
+            tail: tail(),
+            arguments: vec![],
             slices,
             transfers,
             first_level,

@@ -115,8 +115,11 @@ impl MachineTiming {
     /// Emits FIFO levels and memory events to a probe, as far as they are settled, or up to the `end` of the run.
     pub(crate) fn show_fills<P: Probe>(&mut self, probe: &mut P, end: Option<Cycle>) {
         let (levels, wires) = (P::is_on() && probe.reads_levels(), P::is_on() && probe.reads_wires());
+        if !levels && !wires {
+            return;
+        }
         let bounds = EventBounds { limit: self.limit, end };
-        for (number, fifo) in self.fifos.iter().enumerate().filter(|_| levels || wires) {
+        for (number, fifo) in self.fifos.iter().enumerate() {
             let visible = fifo.take_visible();
             if levels {
                 fifo.take_fills(end).into_iter().for_each(|(at, slots)| probe.on_occupancy(number, at, slots));
