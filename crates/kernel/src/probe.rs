@@ -18,8 +18,12 @@ pub trait Probe {
     fn reads_labels(&self) -> bool {
         false
     }
-    /// Returns true if the probe reads FIFO levels, visible tokens and memory events. Asked before the first step.
+    /// Returns true if the probe reads FIFO levels and memory events. Asked before the first step.
     fn reads_levels(&self) -> bool {
+        true
+    }
+    /// Returns true if the probe, which reads levels, also reads numbers of visible tokens. Asked before the first step.
+    fn reads_visible(&self) -> bool {
         true
     }
     /// Reports a step of stage `stage`: `taken` has a bit for each input from which it takes a token, `given` has the labels of
@@ -160,6 +164,9 @@ impl<P: Probe + ?Sized> Probe for &mut P {
     }
     fn reads_levels(&self) -> bool {
         (**self).reads_levels()
+    }
+    fn reads_visible(&self) -> bool {
+        (**self).reads_visible()
     }
     fn on_step(&mut self, stage: usize, [taken, asked]: [u32; 2], given: &[(usize, Label)]) {
         (**self).on_step(stage, [taken, asked], given);

@@ -104,6 +104,10 @@ impl<W: Write + Seek> FstWaves<W> {
 }
 
 impl<W: Write + Seek> TraceSink for FstWaves<W> {
+    fn shows_visible(&self) -> bool {
+        true
+    }
+
     fn state(&mut self, stage: usize, state: UnitState, _: &StepAttribution, from: u64, to: u64) {
         let wait = |kind, i: usize| FIRST_WAIT + 3 * i as u64 + kind;
         let state = match state {

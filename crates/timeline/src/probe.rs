@@ -71,6 +71,10 @@ pub struct BusTransfer {
 /// A file that shows a run. It receives only events within the window and the selection of its layout. Events of one unit or one
 /// counter arrive in order of time. Events of different units have no order.
 pub trait TraceSink {
+    /// Returns true if it shows whether tokens are visible.
+    fn shows_visible(&self) -> bool {
+        false
+    }
     /// Receives the state of a unit, with its attribution, from a cycle to the cycle before another.
     fn state(&mut self, stage: usize, state: UnitState, whose: &StepAttribution, from: u64, to: u64);
     /// Receives the value of a [level](CounterList) from a cycle on. The first comes at the beginning of the window.
@@ -300,6 +304,10 @@ impl AttributedProbe for TimelineProbe<'_> {
 }
 
 impl Probe for TimelineProbe<'_> {
+    fn reads_visible(&self) -> bool {
+        self.charts.iter().any(|chart| chart.shows_visible())
+    }
+
     fn on_busy(&mut self, stage: usize, from: Cycle, to: Cycle) {
         self.add(Interval { stage, cause: None, from, to }, &StepAttribution::default());
     }

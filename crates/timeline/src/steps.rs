@@ -69,6 +69,10 @@ impl AttributedProbe for StepList {
 }
 
 impl Probe for StepList {
+    fn reads_levels(&self) -> bool {
+        false
+    }
+
     fn on_busy(&mut self, stage: usize, from: Cycle, to: Cycle) {
         self.add(Interval { stage, cause: None, from, to }, &StepAttribution::default());
     }

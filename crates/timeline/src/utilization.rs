@@ -64,6 +64,10 @@ impl UtilizationTimeline {
 }
 
 impl Probe for UtilizationTimeline {
+    fn reads_levels(&self) -> bool {
+        false
+    }
+
     fn on_busy(&mut self, stage: usize, from: Cycle, to: Cycle) {
         self.add(stage, 0, from, to);
     }

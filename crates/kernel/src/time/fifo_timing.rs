@@ -343,10 +343,10 @@ impl FifoTiming {
         self.ring.forget_awaits();
     }
 
-    /// See [`OccupancyHistogram::keep_fills`]. Keeps tokens, too, because the number of visible tokens derives from them.
-    pub(crate) fn keep_fills(&self) {
-        self.keep_tokens(true);
-        self.occupancy.borrow_mut().keep_fills();
+    /// See [`OccupancyHistogram::keep_fills`]. The number of visible tokens derives from kept tokens.
+    pub(crate) fn keep_fills(&self, visible: bool) {
+        self.keep_tokens(visible);
+        self.occupancy.borrow_mut().keep_fills(visible);
     }
 
     /// Keeps delivered tokens from now on, or no more.

@@ -103,7 +103,7 @@ impl MachineTiming {
     /// Records FIFO levels and memory events, if the probe reads them.
     pub(crate) fn keep_fills<P: Probe>(&mut self, probe: &P) {
         if P::is_on() && probe.reads_levels() {
-            self.fifos.iter().for_each(FifoTiming::keep_fills);
+            self.fifos.iter().for_each(|fifo| fifo.keep_fills(probe.reads_visible()));
             self.memories.keep_events();
         }
         if P::is_on() && probe.reads_wires() {

@@ -29,7 +29,8 @@ pub(crate) struct OccupancyHistogram {
 struct LevelHistory {
     new: Vec<(Cycle, usize)>,
     last: usize,
-    visible: Gauge,
+    /// `None` if nobody reads them.
+    visible: Option<Gauge>,
 }
 
 impl LevelHistory {
@@ -37,7 +38,14 @@ impl LevelHistory {
     fn change(&mut self, at: Cycle, held: usize, is_pop: bool) {
         self.hold(at, held);
         if is_pop {
-            self.visible.down(at);
+            self.pop_visible(at);
+        }
+    }
+
+    /// Records that a token is visible before `at` only.
+    fn pop_visible(&mut self, at: Cycle) {
+        if let Some(visible) = &mut self.visible {
+            visible.down(at);
         }
     }
 
@@ -76,9 +84,9 @@ impl OccupancyHistogram {
         self.is_off = true;
     }
 
-    /// Records changes of the level.
-    pub(crate) fn keep_fills(&mut self) {
-        self.fills = Some(LevelHistory::default());
+    /// Records changes of the level, and of the number of visible tokens if `visible`.
+    pub(crate) fn keep_fills(&mut self, visible: bool) {
+        self.fills = Some(LevelHistory { visible: visible.then(Gauge::default), ..LevelHistory::default() });
     }
 
     /// Takes the changes of the level since the last call, as far as they are settled, or up to `end`.
@@ -89,7 +97,7 @@ impl OccupancyHistogram {
 
     /// Emits changes of the number of visible tokens. `visible`: first visible cycles of the tokens since the last call.
     pub(crate) fn emit_visible(&mut self, visible: &[Cycle], bounds: EventBounds, emit: impl FnMut(Cycle, usize)) {
-        if let Some(LevelHistory { visible: tokens, .. }) = &mut self.fills {
+        if let Some(LevelHistory { visible: Some(tokens), .. }) = &mut self.fills {
             visible.iter().for_each(|at| tokens.up(*at));
             tokens.emit(bounds, emit);
         }
@@ -195,7 +203,7 @@ impl OccupancyHistogram {
         if let Some(fills) = &mut self.fills {
             fills.hold(now, held);
             if pops {
-                fills.visible.down(now + 1);
+                fills.pop_visible(now + 1);
             }
         }
         self.counted = Some((held, now));

@@ -108,6 +108,10 @@ impl<P: AttributedProbe> Probe for AttributionProbe<'_, P> {
         self.over_budget.is_none()
     }
 
+    fn reads_visible(&self) -> bool {
+        self.timeline.reads_visible()
+    }
+
     fn on_step(&mut self, stage: usize, [taken, asked]: [u32; 2], given: &[(usize, Label)]) {
         match self.flow.step(&StepTokens { stage, taken, given }, &mut NoEvents) {
             Ok(origin) => self.untimed[stage].push_back((origin, asked)),

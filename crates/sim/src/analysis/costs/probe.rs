@@ -149,6 +149,10 @@ impl Probe for CostProbe<'_> {
         self.next.as_ref().is_some_and(|probe| probe.reads_levels())
     }
 
+    fn reads_visible(&self) -> bool {
+        self.next.as_ref().is_some_and(|probe| probe.reads_visible())
+    }
+
     fn on_step(&mut self, stage: usize, [taken, asked]: [u32; 2], given: &[(usize, Label)]) {
         if let Some(next) = self.next.as_mut().filter(|probe| probe.reads_labels()) {
             next.on_step(stage, [taken, asked], given);
