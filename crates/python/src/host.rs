@@ -1,13 +1,13 @@
 //! Services that Python provides to a sweep: files of a plan, and checks for Ctrl-C.
 
-use crate::error::CommandResult;
+use crate::error::{CommandError, CommandResult};
 use crate::scene::{DisplayList, RunSource, ViewArguments, text_of};
 use basrelief_dse::{OpenError, OpenedInput, SweepHost, SweepProgress};
 use basrelief_input::MemoryPool;
 use basrelief_outputs::PartialFile;
 use basrelief_reference::RgbPicture;
 use basrelief_scene::{ImportOptions, SceneError, demo, load_path_with};
-use basrelief_sim::{PreparedScene, RunInput, reason_and_cure, to_png};
+use basrelief_sim::{PreparedScene, RunInput, existing_in_plan, reason_and_cure, to_png};
 use pyo3::{PyErr, Python};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -25,9 +25,15 @@ impl PlanFiles {
         self.plan.parent().map_or_else(|| name.into(), |folder| folder.join(name))
     }
 
+    /// Returns the path of a file that the plan names and that exists.
+    fn existing_path_of(&self, name: &str) -> Result<PathBuf, String> {
+        let path = self.path_of(name);
+        if self.plan.parent().is_some() { existing_in_plan(path) } else { Ok(path) }
+    }
+
     /// Reads a camera file. Returns its name and its text.
     fn camera(&self, name: &str) -> CommandResult<(String, String)> {
-        let path = self.path_of(name);
+        let path = self.existing_path_of(name).map_err(CommandError::BadInput)?;
         Ok((path.display().to_string(), text_of(&path, &self.budget)?))
     }
 
@@ -46,7 +52,7 @@ impl PlanFiles {
             let opened = demo(name, &resolved).map(kept);
             return opened.map_err(|error| at_place(&error, error.to_string()));
         }
-        let path = self.path_of(name);
+        let path = self.existing_path_of(name).map_err(OpenError::Input)?;
         if DisplayList::of_plan(&path).is_one().map_err(|error| OpenError::Input(error.to_string()))? {
             let option = options.first().filter(|_| !view.is_default());
             return option.map_or(Ok(OpenedInput::Trace), |(option, _)| Err(OpenError::view_of_trace(name, option)));
@@ -80,7 +86,7 @@ impl SweepHost for PythonHost<'_> {
     }
 
     fn text(&self, name: &str) -> Result<String, String> {
-        text_of(&self.files.path_of(name), &self.files.budget).map_err(|failure| failure.to_string())
+        text_of(&self.files.existing_path_of(name)?, &self.files.budget).map_err(|failure| failure.to_string())
     }
 
     fn png(&self, picture: &RgbPicture) -> Result<Vec<u8>, String> {

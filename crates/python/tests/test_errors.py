@@ -30,7 +30,7 @@ WRONG: list[tuple[list[str], Callable[[], Any], int]] = [
     (["run", "none.glb"], lambda: basrelief.scene("none.glb"), 1),
     (["run", "bad.gltf"], lambda: basrelief.scene("bad.gltf"), 1),
     (["run", "alone.gltf"], lambda: basrelief.scene("alone.gltf"), 1),
-    (["run", "text.txt"], lambda: basrelief.scene("text.txt"), 1),
+    (["serve", "text.txt"], lambda: basrelief.scene("text.txt"), 1),
     (["run", "none.jsonl"], lambda: basrelief.display_list("none.jsonl"), 1),
     (["run", "bad.jsonl"], lambda: Machine("bump").run(basrelief.display_list("bad.jsonl")), 1),
     (["run", str(PATCH), "--camera=bad.gltf"], lambda: basrelief.scene(PATCH, camera="bad.gltf"), 1),

@@ -63,9 +63,18 @@ pub(crate) fn blocking_file(folder: &Path) -> Option<PathBuf> {
     folder.ancestors().find(|path| path.exists()).filter(|path| !path.is_dir()).map(Path::to_path_buf)
 }
 
-/// Returns the reason and the cure of a file that a plan names and that does not exist.
-pub fn missing_in_plan(path: &Path, error: &io::Error) -> String {
-    missing_input(path, "check the name, which is looked up from the folder of the plan", error)
+/// Returns the path of a file that a plan names, if it exists.
+///
+/// # Errors
+/// The file does not exist.
+pub fn existing_in_plan(path: PathBuf) -> Result<PathBuf, String> {
+    match path.metadata() {
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            let check = "check the name, which is looked up from the folder of the plan";
+            Err(format!("{}: cannot be read: {}", path.display(), missing_input(&path, check, &error)))
+        }
+        _ => Ok(path),
+    }
 }
 
 /// Returns the reason, the expectation and the cure for an input that does not exist. `check` is the cure, unless the path is absolute.

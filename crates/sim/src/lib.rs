@@ -29,7 +29,7 @@ pub use basrelief_machines::{
 };
 pub use build::BUILD;
 pub use command_error::{CommandError, CommandResult};
-pub use file_cure::{is_demo, is_model, missing_in_plan, reason_and_cure};
+pub use file_cure::{existing_in_plan, is_demo, is_model, reason_and_cure};
 pub use machine::aux_outputs;
 pub use named_run::{run_named, run_quietly};
 pub use observer::{FramePictures, KeptRecording, MemoryRequests, NoObserver, Observer, picture_name};

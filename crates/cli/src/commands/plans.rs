@@ -15,7 +15,7 @@ use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_parameters::nearest;
 use basrelief_reference::RgbPicture;
 use basrelief_scene::ViewOptions;
-use basrelief_sim::{PreparedScene, RunInput, TOML_GROWTH, missing_in_plan, reason_and_cure, to_png};
+use basrelief_sim::{PreparedScene, RunInput, TOML_GROWTH, existing_in_plan, reason_and_cure, to_png};
 use basrelief_threads as threads;
 use clap::{CommandFactory, Parser};
 use serde_json::{Map, Value, json};
@@ -142,12 +142,7 @@ impl SweepProgram<'_> {
     /// Returns the path of a file that the plan names and that exists.
     fn existing_path_of(&self, name: &str) -> Result<PathBuf, String> {
         let path = self.path_of(name);
-        match path.metadata() {
-            Err(error) if error.kind() == io::ErrorKind::NotFound && self.plan.parent().is_some() => {
-                Err(format!("{}: cannot be read: {}", path.display(), missing_in_plan(&path, &error)))
-            }
-            _ => Ok(path),
-        }
+        if self.plan.parent().is_some() { existing_in_plan(path) } else { Ok(path) }
     }
 
     /// Refuses outputs that are among the files that the plan names, or the plan itself.
