@@ -154,21 +154,21 @@ impl<'a> Simulation<'a> {
 
     /// Prints the report and decides the outcome of the command.
     fn print_report(&self, report: &Report, names: &str, has_recording: bool) -> CommandResult {
-        if let Some(path) = self.args.recording.as_ref().filter(|_| !has_recording) {
-            let why = "the run is incomplete, and a recording holds a whole run";
-            terminal::print_note(&format!("note: {} (--recording) is not written: {why}", path.display()));
-        }
         if !self.is_quiet() {
             show_report(report, &self.args.tables, self.global.text_style())?;
             let is_written = |(option, path): &(&str, &Path)| path.exists() && (has_recording || *option != "--recording");
             let others: Vec<_> = named_outputs(self.args).into_iter().filter(is_written).collect();
             written_line(Some((&self.args.out, names)), &others).map_or(Ok(()), |line| print(&line))?;
         }
-        let message = report.outcome.message.clone().unwrap_or_default();
+        let recording = self.args.recording.as_ref().filter(|_| !has_recording);
+        let lost = recording.map_or(String::new(), |path| {
+            format!("\n{} (--recording) is not written, because a recording holds a whole run", path.display())
+        });
+        let message = report.outcome.message.clone().unwrap_or_default() + &lost;
         match report.outcome.kind {
             OutcomeKind::Complete => Ok(()),
             OutcomeKind::Limit => Err(CommandError::BadInput(format!(
-                "stopped at --max-cycles {}; the report holds the state so far; a larger --max-cycles, or none, lets the run finish",
+                "stopped at --max-cycles {}; the report holds the state so far; a larger --max-cycles, or none, lets the run finish{lost}",
                 self.options.max_cycles
             ))),
             OutcomeKind::Deadlock | OutcomeKind::Stopped | OutcomeKind::Fault => Err(CommandError::BadInput(message)),
