@@ -74,7 +74,8 @@ pub struct Channel {
     pub refreshes: u64,
     /// Busy cycles of the data bus.
     pub bus_busy: u64,
-    /// Sum over all cycles of the bursts in the queue. Divided by the cycles, it is the mean queue length.
+    /// Sum over all cycles of the bursts in the queue. Divided by the cycles, it is the mean queue length. At a cycle limit it includes
+    /// what follows until the last requests are served.
     pub queued: u64,
 }
 
