@@ -1,8 +1,8 @@
 //! Text of a configuration file.
 
 use crate::MachineInfo;
-use crate::memories::fields_of_part;
-use basrelief_kernel::{MemoryConfig, MemoryPart};
+use crate::memories::MemoryNumbers;
+use basrelief_kernel::MemoryConfig;
 use basrelief_parameters::{ConfigError, ReportConfig, TomlFault};
 use serde_json::Value;
 
@@ -31,13 +31,8 @@ impl MachineInfo {
         let mut rest: Value = serde_json::from_str(text).ok()?;
         for (name, memory) in rest.get_mut("memory")?.as_object_mut()? {
             let config: MemoryConfig = serde_json::from_value(whole["memory"][name].clone()).ok()?;
-            let mut fields = fields_of_part(&config, hz);
-            if config.part != MemoryPart::Custom && config.channel_bytes == config.burst_bytes {
-                fields.push(("channel_bytes", config.burst_bytes));
-            }
-            memory
-                .as_object_mut()?
-                .retain(|field, value| !fields.iter().any(|(of_part, number)| field == of_part && value == number));
+            let numbers = MemoryNumbers::new(&config, hz, config.part);
+            memory.as_object_mut()?.retain(|field, value| numbers.value_of_part(field).is_none_or(|of_part| *value != of_part));
         }
         let short = rest.to_string();
         (self.load(&short, &[]).ok()?.to_value() == whole).then_some(short)

@@ -114,7 +114,7 @@ pub(crate) fn explain<C: HasMemories>(config: &C, table: &mut [Parameter]) {
 }
 
 /// A memory with the numbers of its part.
-struct MemoryNumbers<'a> {
+pub(crate) struct MemoryNumbers<'a> {
     memory: &'a MemoryConfig,
     by_default: MemoryPart,
     /// Numbers of the part alone; `None` if it does not fit the clock.
@@ -126,12 +126,31 @@ struct MemoryNumbers<'a> {
 }
 
 impl<'a> MemoryNumbers<'a> {
-    fn new(memory: &'a MemoryConfig, hz: u64, by_default: MemoryPart) -> Self {
+    pub(crate) fn new(memory: &'a MemoryConfig, hz: u64, by_default: MemoryPart) -> Self {
         let part = memory.part;
         let sheet = part.numbers(hz, [None; 2]).ok();
-        let with_burst = numbers_with_burst(memory, hz, sheet.as_deref().unwrap_or_default());
+        let beside = |name: &str, value: u32| {
+            let differs = sheet.iter().flatten().any(|number| number.name == name && number.value != value);
+            differs.then_some(value)
+        };
+        let burst = [beside("burst_bytes", memory.burst_bytes), beside("burst_cycles", memory.burst_cycles)];
+        let with_burst = part.numbers(hz, burst).unwrap_or_default();
         let of_default = if part == MemoryPart::Custom { by_default.numbers(hz, [None; 2]).unwrap_or_default() } else { vec![] };
         Self { memory, by_default, sheet, with_burst, of_default }
+    }
+
+    /// Returns the number that the part gives a field, with the burst of the memory.
+    fn of_part(&self, field: &str) -> Option<&PartNumber> {
+        let numbers = if field.starts_with("burst") { self.sheet.as_ref()? } else { &self.with_burst };
+        numbers.iter().find(|number| number.name == field)
+    }
+
+    /// Returns the value that a field has because of the part, if no value is given.
+    pub(crate) fn value_of_part(&self, field: &str) -> Option<u32> {
+        match field {
+            "channel_bytes" if self.memory.part != MemoryPart::Custom => Some(self.memory.burst_bytes),
+            _ => self.of_part(field).map(|number| number.value),
+        }
     }
 
     /// Returns the provenance of a field; `None` if it does not depend on the memory part.
@@ -141,12 +160,11 @@ impl<'a> MemoryNumbers<'a> {
             let chosen = parameter.provenance.text();
             return part.about().map(|about| Provenance::Assumed(format!("{chosen}. {}: {about}", part.name()).into()));
         }
-        if field == "channel_bytes" && part != MemoryPart::Custom && parameter.default == self.memory.burst_bytes {
+        if field == "channel_bytes" && self.value_of_part(field).is_some_and(|value| parameter.default == value) {
             return Some(Provenance::Derived("the burst size, because a burst lies in one channel".into()));
         }
-        let sheet = self.sheet.as_ref()?;
-        let numbers = if field.starts_with("burst") { sheet } else { &self.with_burst };
-        let Some(number) = numbers.iter().find(|number| number.name == field) else {
+        self.sheet.as_ref()?;
+        let Some(number) = self.of_part(field) else {
             let by_default = self.of_default.iter().any(|number| number.name == field);
             return by_default.then(|| {
                 let default = self.by_default.name();
@@ -160,24 +178,6 @@ impl<'a> MemoryNumbers<'a> {
         let text = format!("set by the user; the memory part has {}: {}", number.value, number.provenance.text());
         Some(Provenance::Assumed(text.into()))
     }
-}
-
-/// Returns the numbers of a memory's part with the memory's burst. `sheet`: those of the part alone.
-fn numbers_with_burst(memory: &MemoryConfig, hz: u64, sheet: &[PartNumber]) -> Vec<PartNumber> {
-    let beside = |name: &str, value: u32| {
-        let differs = sheet.iter().any(|number| number.name == name && number.value != value);
-        differs.then_some(value)
-    };
-    let burst = [beside("burst_bytes", memory.burst_bytes), beside("burst_cycles", memory.burst_cycles)];
-    memory.part.numbers(hz, burst).unwrap_or_default()
-}
-
-/// Returns the fields of a memory that its part sets at this clock, if their values stay where they are not given.
-pub(crate) fn fields_of_part(memory: &MemoryConfig, hz: u64) -> Vec<(&'static str, u32)> {
-    let sheet = memory.part.numbers(hz, [None; 2]).unwrap_or_default();
-    let is_burst = |number: &PartNumber| number.name.starts_with("burst");
-    let others = numbers_with_burst(memory, hz, &sheet).into_iter().filter(|number| !is_burst(number));
-    others.chain(sheet.iter().filter(|number| is_burst(number)).cloned()).map(|number| (number.name, number.value)).collect()
 }
 
 /// Checks the assumptions of law 4 for each memory.
