@@ -137,10 +137,4 @@ impl MemoryPorts {
     ) -> Option<StepRequestsView<'a>> {
         self.asked.settle_now(asks, clients, largest, &mut self.fault)
     }
-
-    /// Forgets the result of `settle_stored`.
-    #[inline(always)]
-    pub(crate) fn forget_stored(&mut self) {
-        self.asked.clear();
-    }
 }

@@ -206,7 +206,7 @@ impl StepSource for BatchedSteps {
         if self.asks != [0; 2] {
             let [requests, look_ups] = self.asks.map(|count| count as usize);
             self.asked = [self.asked[0] + requests, self.asked[1] + look_ups];
-            traffic.forget_stored();
+            traffic.clear();
         }
         if !self.has_step() {
             self.use_next_batch();
