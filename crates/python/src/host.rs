@@ -27,8 +27,7 @@ impl PlanFiles {
 
     /// Returns the path of a file that the plan names and that exists.
     fn existing_path_of(&self, name: &str) -> Result<PathBuf, String> {
-        let path = self.path_of(name);
-        if self.plan.parent().is_some() { existing_in_plan(path) } else { Ok(path) }
+        existing_in_plan(&self.plan, self.path_of(name))
     }
 
     /// Reads a camera file. Returns its name and its text.

@@ -63,13 +63,14 @@ pub(crate) fn blocking_file(folder: &Path) -> Option<PathBuf> {
     folder.ancestors().find(|path| path.exists()).filter(|path| !path.is_dir()).map(Path::to_path_buf)
 }
 
-/// Returns the path of a file that a plan names, if it exists.
+/// Returns the path of a file that a plan names, if it exists. Without a file of its own, a plan looks up names in the current folder, and
+/// whoever opens such a file reports that it is missing.
 ///
 /// # Errors
 /// The file does not exist.
-pub fn existing_in_plan(path: PathBuf) -> Result<PathBuf, String> {
+pub fn existing_in_plan(plan: &Path, path: PathBuf) -> Result<PathBuf, String> {
     match path.metadata() {
-        Err(error) if error.kind() == ErrorKind::NotFound => {
+        Err(error) if error.kind() == ErrorKind::NotFound && plan.parent().is_some() => {
             let check = "check the name, which is looked up from the folder of the plan";
             Err(format!("{}: cannot be read: {}", path.display(), missing_input(&path, check, &error)))
         }

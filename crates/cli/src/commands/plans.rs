@@ -141,8 +141,7 @@ impl SweepProgram<'_> {
 
     /// Returns the path of a file that the plan names and that exists.
     fn existing_path_of(&self, name: &str) -> Result<PathBuf, String> {
-        let path = self.path_of(name);
-        if self.plan.parent().is_some() { existing_in_plan(path) } else { Ok(path) }
+        existing_in_plan(&self.plan, self.path_of(name))
     }
 
     /// Refuses outputs that are among the files that the plan names, or the plan itself.
