@@ -124,8 +124,7 @@ const SMALL: (u32, u32) = (16, 12);
 pub(crate) fn run_small(plan: &Plan, host: &dyn SweepHost) -> Option<Vec<ReportFigure>> {
     let fits = |point: &&PlanPoint| plan.config(&point.places).is_ok_and(|config| config.check().is_ok());
     let config = plan.points.iter().find(fits).and_then(|point| plan.config(&point.places).ok());
-    let default = plan.machine.load("", &[]).ok();
-    config.into_iter().chain(default).find_map(|config| {
+    config.into_iter().chain([plan.machine.default_config()]).find_map(|config| {
         let source = match &plan.inputs.first()?.opened {
             OpenedInput::Scene(prepared) => RunInput::scene(Arc::new(small_scene(prepared.scene())?)),
             OpenedInput::Trace => RunInput::trace(std::io::Cursor::new(doc_trace()), "quad.dl.jsonl"),

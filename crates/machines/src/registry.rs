@@ -196,6 +196,7 @@ pub struct MachineInfo {
     /// True if it has short cuts for an ablation.
     pub has_shortcuts: bool,
     units: fn() -> Vec<UnitInfo>,
+    default: fn() -> MachineConfig,
     table: fn() -> Vec<Parameter>,
     schema: fn() -> Value,
     loader: fn(&str) -> Result<ConfigLoader, ConfigError>,
@@ -235,6 +236,7 @@ impl MachineInfo {
             demos: S::DEMOS,
             fetches_tiles: S::FETCHES_TILES,
             left_at: S::LEFT_AT,
+            default: || S::default().into(),
             has_methods: S::METHODS.is_some(),
             has_shortcuts: !S::SHORTCUTS.is_empty(),
             table: || resolved(&S::default()),
@@ -266,6 +268,11 @@ impl MachineInfo {
     /// Returns the units of the block diagram.
     pub fn units(&self) -> Vec<UnitInfo> {
         (self.units)()
+    }
+
+    /// Returns the configuration without settings, as [`MachineInfo::load`] does, but with a thousandth of the instructions.
+    pub fn default_config(&self) -> MachineConfig {
+        (self.default)()
     }
 
     /// Returns all parameters, in the order of the block diagram.

@@ -28,8 +28,7 @@ pub fn aux_outputs(machine: &MachineInfo) -> Vec<AuxOutputInfo> {
     fn of<S: SimulatedMachine>(_: &S) -> Vec<AuxOutputInfo> {
         S::AUX_OUTPUTS.iter().map(|output| output.info).collect()
     }
-    let defaults = machine.load("", &[]).unwrap_or_default();
-    for_machine!(&defaults, spec => of(spec))
+    for_machine!(&machine.default_config(), spec => of(spec))
 }
 
 impl SimulatedMachine for BumpProcessorConfig {

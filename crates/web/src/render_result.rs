@@ -42,7 +42,7 @@ fn main_parameters(machine: &str) -> &'static [&'static str] {
 }
 
 fn machine(machine: &MachineInfo) -> Value {
-    let parameters = machine.load("", &[]).map(|config| config.described()).unwrap_or_default();
+    let parameters = machine.default_config().described();
     let unit = |unit: &basrelief_machines::UnitInfo| json!({ "name": unit.name, "numeral": unit.numeral, "role": unit.role });
     let units: Vec<Value> = machine.units().iter().map(unit).collect();
     json!({ "name": machine.name, "fetches": machine.fetches_tiles, "about": machine.about, "demos": machine.demos, "main": main_parameters(machine.name), "units": units, "parameters": parameters })

@@ -17,6 +17,13 @@ fn every_demo_belongs_to_one_machine() {
 }
 
 #[test]
+fn default_configuration_is_the_one_without_settings() {
+    for machine in MACHINES {
+        assert_eq!(machine.default_config(), machine.load("", &[]).unwrap(), "{}", machine.name);
+    }
+}
+
+#[test]
 fn ablation_disables_each_shortcut_then_all() {
     let variants = MachineConfig::from(ShadeConfig::default()).ablations();
     let off = |c: &MachineConfig| {
