@@ -8,6 +8,7 @@
 
 use basrelief_signals::{Image, WrapMode};
 use basrelief_threads as threads;
+use wide::f64x4;
 
 /// Levels of a normal map, 0..=7: the LOD range 0..=63 addresses these.
 pub const NORMAL_LEVELS: usize = 8;
@@ -115,17 +116,17 @@ fn halve_pairs<M: TexelMean>(image: &Image) -> Vec<[u8; 4]> {
     let side = image.width as usize;
     threads::par_fill_rows(side / 2, image.height as usize / 2, |row, texels| {
         let (upper, lower) = image.texels[2 * row * side..][..2 * side].split_at(side);
-        let pairs = upper.as_chunks().0.iter().zip(lower.as_chunks().0);
-        for (texel, (&[a, b], &[c, d])) in texels.iter_mut().zip(pairs) {
-            *texel = M::of_four([a, b, c, d]);
-        }
+        M::of_pairs([upper.as_chunks().0, lower.as_chunks().0], texels);
     })
 }
 
+/// Two texels side by side.
+type TexelPair = [[u8; 4]; 2];
+
 /// Mean of texels.
 trait TexelMean {
-    /// Returns the mean of four texels of equal weight, row by row.
-    fn of_four(texels: [[u8; 4]; 4]) -> [u8; 4];
+    /// Computes the means of boxes of four texels of equal weight, two of an upper and two of a lower row.
+    fn of_pairs(rows: [&[TexelPair]; 2], means: &mut [[u8; 4]]);
     /// Returns the mean of the texels that a box covers.
     fn of_box(image: &Image, covered: TexelCover) -> [u8; 4];
 }
@@ -183,9 +184,10 @@ fn texels_in(width: u32, [x, y]: TexelCover) -> impl Iterator<Item = (usize, u64
 struct ColorMean;
 
 impl TexelMean for ColorMean {
-    #[inline]
-    fn of_four(texels: [[u8; 4]; 4]) -> [u8; 4] {
-        std::array::from_fn(|i| (texels.iter().fold(2, |sum, texel| sum + u16::from(texel[i])) / 4) as u8)
+    fn of_pairs([upper, lower]: [&[TexelPair]; 2], means: &mut [[u8; 4]]) {
+        for (mean, (&[a, b], &[c, d])) in means.iter_mut().zip(upper.iter().zip(lower)) {
+            *mean = std::array::from_fn(|i| ([a, b, c, d].iter().fold(2, |sum, texel| sum + u16::from(texel[i])) / 4) as u8);
+        }
     }
 
     fn of_box(image: &Image, covered: TexelCover) -> [u8; 4] {
@@ -205,15 +207,15 @@ impl TexelMean for ColorMean {
 struct NormalMean;
 
 impl TexelMean for NormalMean {
-    #[inline]
-    fn of_four(texels: [[u8; 4]; 4]) -> [u8; 4] {
-        let mut sum = [0.0; 3];
-        for texel in texels {
-            for (s, n) in sum.iter_mut().zip(decode_normal(texel)) {
-                *s += n;
-            }
+    fn of_pairs([upper, lower]: [&[TexelPair]; 2], means: &mut [[u8; 4]]) {
+        let mut boxes = upper.iter().zip(lower).map(|(&[a, b], &[c, d])| [a, b, c, d]);
+        let (groups, rest) = means.as_chunks_mut();
+        for group in groups {
+            *group = mean_normals(std::array::from_fn(|_| boxes.next().unwrap_or_default()));
         }
-        encode_normal(normalize(sum))
+        for (mean, texels) in rest.iter_mut().zip(boxes) {
+            [*mean, ..] = mean_normals([texels; 4]);
+        }
     }
 
     fn of_box(image: &Image, covered: TexelCover) -> [u8; 4] {
@@ -225,6 +227,22 @@ impl TexelMean for NormalMean {
         }
         encode_normal(normalize(sum))
     }
+}
+
+/// Returns the mean normals of four boxes of four texels, side by side. One box after the other took a third more time.
+#[inline]
+fn mean_normals(boxes: [[[u8; 4]; 4]; 4]) -> [[u8; 4]; 4] {
+    let mut sum = [f64x4::ZERO; 3];
+    for place in 0..4 {
+        let [x, y, z] = [0, 1, 2].map(|i| f64x4::new(boxes.map(|texels| COMPONENTS[usize::from(texels[place][i])])));
+        // No component is 0, so no length is.
+        let length = (x * x + y * y + z * z).sqrt();
+        for (s, n) in sum.iter_mut().zip([x, y, z]) {
+            *s += n / length;
+        }
+    }
+    let lanes = sum.map(f64x4::to_array);
+    std::array::from_fn(|lane| encode_normal(normalize(lanes.map(|component| component[lane]))))
 }
 
 fn halve_heights(map: &HeightMap) -> HeightMap {

@@ -146,7 +146,8 @@ impl Plan {
 
     fn input(&self, name: &str, opened: OpenedInput, host: &dyn SweepHost) -> Result<PlanInput, String> {
         let source = opened.input(name, host)?;
-        let sha256 = input_sha256(source, &self.machine.default_config(), host.budget()).map_err(|error| format!("{name}: {error}"))?;
+        let sha256 =
+            input_sha256(source, &self.machine.default_config(), host.budget()).map_err(|error| format!("{name}: {error}"))?;
         let identity = identity::of_input(name, &opened, &sha256);
         Ok(PlanInput { name: name.into(), opened, identity })
     }
