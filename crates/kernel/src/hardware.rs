@@ -253,6 +253,12 @@ impl Hardware {
             of(HardwareKind::RequestTable, "requests in flight", REQUEST_BITS),
         ]
     }
+
+    /// Data of a periodic client: it uses those of one read while those of the next arrive.
+    pub(crate) fn of_periodic_client(name: &str, read_bytes: u32) -> Self {
+        let bits = read_bytes.saturating_mul(8);
+        Self { ports: 2, ..Self::new(name, HardwareKind::LineBuffer, "data in use, data of the next read", 2, bits) }
+    }
 }
 
 #[cfg(test)]

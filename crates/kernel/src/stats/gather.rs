@@ -2,10 +2,13 @@
 
 use super::{SlowFifo, UnitStats};
 use crate::client::Client;
+use crate::connections::Clients;
 use crate::hardware::Hardware;
 use crate::machine::{Machine, Visitor};
+use crate::periodic::PeriodicClient;
 use crate::wires::Wires;
 use crate::{BoundStage, MemorySystem, Unit};
+use std::collections::BTreeSet;
 
 impl UnitStats {
     /// Reports the FIFOs that a unit fills: those of known width, and those that its rates make slow.
@@ -19,33 +22,48 @@ impl UnitStats {
         }
     }
 
-    /// Reports the caches, then the requests in flight of every port. A periodic client has no credits. Requests that control one have no
-    /// data.
-    fn report_ports(&mut self, memories: &MemorySystem) {
-        let caches = memories.clients().iter().filter_map(|client| client.cache.as_ref());
+    /// Reports the caches, then the requests in flight of every port, of the `used` clients. Requests that control a periodic client have
+    /// no data. Last come the periodic clients that read.
+    fn report_ports(&mut self, memories: &MemorySystem, used: &BTreeSet<usize>) {
+        let clients = || used.iter().map(|&client| &memories.clients()[client]);
+        let caches = clients().filter_map(|client| client.cache.as_ref());
         self.hardware.extend(caches.flat_map(|cache| Hardware::of_cache(&cache.name, &cache.config)));
-        for Client { port, cache, control, .. } in memories.clients().iter().filter(|client| !client.is_periodic) {
+        for Client { port, cache, control, .. } in clients() {
             let burst = memories.memories()[port.memory].burst_bytes;
             let data = cache.as_ref().map_or(burst, |cache| cache.config.line_bytes);
             let [lines, requests] = Hardware::of_port(&port.name, port.outstanding(), data);
             self.hardware.extend(control.is_none().then_some(lines).into_iter().chain([requests]));
         }
+        let periodic = memories.memories().iter().flat_map(|memory| &memory.periodic).filter(|client| client.reads.bytes > 0);
+        self.hardware.extend(periodic.map(|PeriodicClient { client, reads, .. }| {
+            Hardware::of_periodic_client(memories.client_name(*client), reads.bytes)
+        }));
+    }
+}
+
+/// Collects statistics stage by stage.
+#[derive(Default)]
+struct StatsVisitor {
+    stats: UnitStats,
+    /// Memory clients of which a step can need credits. The others have no hardware.
+    used: BTreeSet<usize>,
+}
+
+impl Visitor for StatsVisitor {
+    fn stage<P: BoundStage>(&mut self, mut place: P) {
+        let (stage, connections) = place.open();
+        self.stats.place = stage.name().into();
+        stage.unit.report_stats(&mut self.stats);
+        self.stats.report_fifos(stage.name(), &connections.outputs);
+        let clients = connections.clients.ids().iter().enumerate();
+        self.used.extend(clients.filter(|&(place, _)| stage.unit.largest_step(place) > 0).map(|(_, id)| id));
     }
 }
 
 /// Collects the statistics of every unit of a machine. Call it after a run, not during one, because some statistics take a while.
 pub fn unit_stats(machine: &mut impl Machine) -> UnitStats {
-    struct StatsVisitor(UnitStats);
-    impl Visitor for StatsVisitor {
-        fn stage<P: BoundStage>(&mut self, mut place: P) {
-            let (stage, connections) = place.open();
-            self.0.place = stage.name().into();
-            stage.unit.report_stats(&mut self.0);
-            self.0.report_fifos(stage.name(), &connections.outputs);
-        }
-    }
-    let mut gather = StatsVisitor(UnitStats::default());
-    machine.wire(&mut gather);
-    gather.0.report_ports(machine.memories());
-    gather.0
+    let mut visitor = StatsVisitor::default();
+    machine.wire(&mut visitor);
+    visitor.stats.report_ports(machine.memories(), &visitor.used);
+    visitor.stats
 }

@@ -187,6 +187,7 @@ impl<T: ColorToken> Unit for FrameBuffer<T> {
         // Colours, mask of written pixels, number of the line in the picture.
         let line = LINE_PIXELS * (COLOR + 1) + LINE_NUMBER;
         stats.hardware(HardwareKind::Table, "gathered lines", self.config.write_lines, line);
+        stats.hardware(HardwareKind::Adder, "whether a line is gathered", self.config.write_lines, LINE_NUMBER);
         let flags = if self.config.clear_flags { self.config.flags } else { 0 };
         stats.flags("flags of clear lines", flags, self.config.flags_per_cycle);
         let c = &self.state.counters;

@@ -45,7 +45,8 @@ impl GeometryProcessor {
         stats.hardware(HardwareKind::Registers, "matrices", 16 + 9 + 9_u32, NUMBER);
         stats.hardware(HardwareKind::Registers, "lights", 7 * LIGHTS, NUMBER);
         stats.hardware(HardwareKind::Registers, "corners of a clipped polygon", MOST_CORNERS, self.vertex_bits());
-        stats.hardware(HardwareKind::Table, "vertex cache", self.config.vertex_cache, INDEX + self.vertex_bits());
+        stats.hardware(HardwareKind::Table, "vertex cache", self.config.vertex_cache, INDEX + FLAGS + self.vertex_bits());
+        stats.hardware(HardwareKind::Adder, "whether the vertex cache holds an index", self.config.vertex_cache, INDEX);
     }
 
     /// Returns the size of a transformed vertex \[bits\]: clip and window coordinates, and its attributes.
@@ -68,8 +69,10 @@ impl GeometryProcessor {
 
 /// Single-precision number \[bits\].
 const NUMBER: u32 = 32;
-/// An index, with one bit for a valid vertex and one for a lit vertex \[bits\].
-const INDEX: u32 = 32 + 2;
+/// An index \[bits\].
+const INDEX: u32 = 32;
+/// One bit for a valid vertex and one for a lit vertex.
+const FLAGS: u32 = 2;
 /// Lights with registers of seven numbers each: direction, half-way vector, intensity. The number is assumed: the minimum that
 /// OpenGL requires. A scene with more lights is accepted.
 const LIGHTS: u32 = 8;

@@ -7,7 +7,7 @@ use basrelief_machines::bump::{BumpProcessor, BumpProcessorConfig};
 use basrelief_machines::defer::{DeferConfig, DeferredRenderer};
 use basrelief_machines::shade::{FigureShadingDevice, ShadeConfig};
 use basrelief_machines::texel::{TexelMachineConfig, TextureMappingSystem};
-use basrelief_machines::{PictureMachine, UnitInfo, bump, defer, shade, texel, units};
+use basrelief_machines::{MachineSpec, PictureMachine, UnitInfo, bump, defer, shade, texel, units};
 use basrelief_signals::Scene;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -152,6 +152,36 @@ fn hardware_of_generator_follows_parameters() {
     assert_eq!(["segment", "pixel"].map(|per| count(&mip(per), "approximate-calculator", Divider)), [0, 1]);
     let filters = |samples| count(&hardware(&[("look_up.samples_per_cycle", samples)]), "texture-look-up", Multiplier);
     assert!(filters("2") > filters("1"));
+}
+
+/// Names of the ports, caches and displays that a machine has.
+fn ports<C: MachineSpec>(settings: &[(&str, &str)]) -> BTreeSet<String> {
+    let kinds = [HardwareKind::CacheData, HardwareKind::LineBuffer, HardwareKind::RequestTable];
+    let hardware = config::<C>(settings).hardware().unwrap();
+    hardware.into_iter().filter(|piece| kinds.contains(&piece.kind)).map(|piece| piece.place).collect()
+}
+
+#[test]
+fn hardware_that_no_step_uses_is_not_counted() {
+    let lost = |all: BTreeSet<String>, rest: BTreeSet<String>| all.difference(&rest).cloned().collect::<Vec<_>>();
+    let depth = ["depth", "z_read", "z_write"];
+    assert_eq!(lost(ports::<ShadeConfig>(&[]), ports::<ShadeConfig>(&[("frame_memory.depth_test", "false")])), depth);
+    let untested = ports::<TexelMachineConfig>(&[("pixel_value_buffer.depth_test", "false")]);
+    assert_eq!(lost(ports::<TexelMachineConfig>(&[]), untested), depth);
+    let modulated = ports::<TexelMachineConfig>(&[("combiner.mode", "modulate")]);
+    assert_eq!(lost(modulated, ports::<TexelMachineConfig>(&[])), ["pixel_read"]);
+    let bump = |key, value| lost(ports::<BumpProcessorConfig>(&[(key, value)]), ports::<BumpProcessorConfig>(&[]));
+    assert_eq!(bump("graphics.draw", "after_list"), ["held"]);
+    assert_eq!(bump("replacement.codebook", "per_object"), ["gathered"]);
+    assert_eq!(lost(ports::<ShadeConfig>(&[]), ports::<ShadeConfig>(&[("display.enabled", "false")])), ["scan_out"]);
+}
+
+#[test]
+fn display_holds_two_reads() {
+    let config: ShadeConfig = config(&[("display.burst_bytes", "512")]);
+    let hardware = config.hardware().unwrap();
+    let bits: u64 = hardware.iter().filter(|piece| piece.place == "scan_out").map(Hardware::bits).sum();
+    assert_eq!(bits, 2 * 512 * 8);
 }
 
 #[test]
