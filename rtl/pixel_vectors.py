@@ -8,6 +8,8 @@ from twins import CLUTS, VQ_STRIDE, clut_stride
 FRAME, OBJECT, POLYGON, FRAME_END = 0, 1, 2, 4
 # Address of the z-buffer, and distance between two buffers of the swap chain.
 Z_BUFFER, BUFFER = 0x1000_2000, 1 << 27
+# The third buffer lies behind everything else.
+THIRD_BUFFER = 1 << 40
 
 
 class Picture:
@@ -177,7 +179,8 @@ def frame_buffer(base, seed):
     frames = 0
 
     def write(line):
-        return ("w", 0, frames % made.config["display"]["buffers"] * BUFFER + line * size, size)
+        buffer = frames % made.config["display"]["buffers"]
+        return ("w", 0, buffer * BUFFER + (THIRD_BUFFER if buffer == 2 else 0) + line * size, size)
 
     def steps(bits):
         nonlocal frames

@@ -13,15 +13,27 @@ class Twin:
     `passes` lists outputs whose values are computed in floating point: the bench passes them in, and the twin decides time and order.
     `ready` lists memory clients whose credits the unit needs, `requests` clients whose requests are compared, `caches` the cache of a
     client. `blocks` returns true if a step without a token keeps its unit until its answers. `files` returns files that the module reads.
-    `rewrite` changes the fields and the bits of the tokens. `writes` gives the writes of a client a port of their own.
+    `rewrite` changes the fields and the bits of the tokens. `writes` gives the writes of a client a port of their own. `needs` gives the values of
+    machine parameters for which the twin holds: a value, or text and test of the value and the whole configuration.
     """
 
     def __init__(self, stages, parameters, passes=(), ready=(), requests=(), is_answered=False, files=None, caches=None, blocks=None, rewrite=None,
-                 writes=None):
+                 writes=None, needs=None):
         self.stages, self.parameters, self.passes = stages, parameters, passes
         self.caches, self.rewrite, self.writes = caches or {}, rewrite, writes or {}
         self.ready, self.requests, self.is_answered, self.files = ready, requests, is_answered, files
         self.blocks = blocks or (lambda steps, number: False)
+        self.needs = needs or {}
+
+    def unfit(self, recording):
+        """Returns the first parameter of a recording for which the twin does not hold, in words; `None` if it holds."""
+        for key, needed in self.needs.items():
+            group, name = key.split(".")
+            found = recording.config[group][name]
+            text, holds = needed if isinstance(needed, tuple) else (needed, lambda found, _, needed=needed: found == needed)
+            if not holds(found, recording.config):
+                return f"{key} is {found}, and the twin holds for {text} only"
+        return None
 
 
 def circuit(name):
@@ -253,6 +265,11 @@ def list_files(recording, stage):
     return {"tiles.hex": lines_of(28, packed_tiles), "order.hex": lines_of(4, order), "firsts.hex": lines_of(4, firsts)}
 
 
+# Parameters for which the twins of the replacement and the brightness fetch unit hold.
+STAMPS = {"rasterizer.stamp": 4, "brightness.levels": 2, "replacement.codebook": "fixed"}
+ROWS = ("powers of two that are not below replacement.lanes",
+        lambda entries, config: entries.bit_count() == 1 and entries % config["replacement"]["lanes"] == 0)
+
 # Address of the VQ tables (121) in memory (120), and the distance between two levels.
 VQ_TABLES, VQ_STRIDE = 0, 512 << 10
 # Address of the CLUTs (122).
@@ -272,9 +289,12 @@ TWINS = {
                          requests=[0, 1]),
     "brightness": Twin([("bump", "brightness")], brightness, ready=[0, 1], requests=[1, 2], is_answered=True, files=clut_contents,
                        caches={0: "clut"}, blocks=lambda steps, number: any(kind == "r" for kind, *_ in steps[number]["requests"]),
-                       rewrite=brightness_tokens, writes={1: 2}),
+                       rewrite=brightness_tokens, writes={1: 2},
+                       needs={**STAMPS, "replacement.entries": ROWS, "brightness.source": "clut", "brightness.components": "combined",
+                              "brightness.samples_per_cycle": 2}),
     "replacement": Twin([("bump", "replacement")], replacement, ready=[0], requests=[0], is_answered=True, files=reference_normals,
-                        blocks=lambda steps, number: number + 1 == len(steps) or not steps[number + 1]["requests"]),
+                        blocks=lambda steps, number: number + 1 == len(steps) or not steps[number + 1]["requests"],
+                        needs={**STAMPS, "replacement.entries": ROWS, "replacement.pipelined": False, "normal_mapping.normal_bits": 16}),
     "depth_test": Twin([("bump", "depth-test"), ("shade", "depth-test"), ("texel", "depth-test")], depth_test, ready=[0, 1], requests=[1],
                        is_answered=True, caches={0: "depth"}),
     "geometry": Twin([("bump", "geometry")], geometry, passes=[0], rewrite=geometry_tokens),
