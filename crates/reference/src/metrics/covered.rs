@@ -47,6 +47,19 @@ pub(super) fn covered_in<'a>(
     pixels.zip(both).filter(|(_, (a, b))| **a || **b).map(|(i, _)| i)
 }
 
+/// Returns the pixels covered in either picture, and those in reach of their filters; `None` if no pixel is covered. For covered pixels, a
+/// filter of this radius has the same result in this part as in the whole picture: the rim of the part is the picture's, or lies beyond
+/// the reach of the filter.
+pub(super) fn reach(exact: &RgbPicture, other: &RgbPicture, radius: usize) -> Option<FilterWindow> {
+    let (width, height) = (exact.width as usize, exact.height as usize);
+    let mut pixels = covered(exact, other).map(|i| (i % width, i / width));
+    let (x, y) = pixels.next()?;
+    let grow = |(low, high): (usize, usize), at: usize| (low.min(at), high.max(at));
+    let (columns, rows) = pixels.fold(((x, x), (y, y)), |(columns, rows), (x, y)| (grow(columns, x), grow(rows, y)));
+    let reached = |(low, high): (usize, usize), size: usize| low.saturating_sub(radius)..(high + radius + 1).min(size);
+    Some(FilterWindow { columns: reached(columns, width), rows: reached(rows, height) })
+}
+
 /// Returns the mean of a map over the pixels covered in either picture, or `empty` if no pixel is. `values` returns the covered
 /// pixels of the map in a strip. Strips are computed in parallel and added in order: the sum is identical to the bit to a
 /// sequential one.

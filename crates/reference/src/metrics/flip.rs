@@ -4,7 +4,7 @@
 //! Alternating Images. Proc. ACM Comput. Graph. Interact. Tech. 3(2), 2020. Section numbers below are those of the paper. The
 //! spatial filters are sums of Gaussians and therefore separable: two passes of 21 taps instead of 441.
 
-use super::covered::{SizeMismatch, covered, covered_in, mean, same_size, strip_pixels};
+use super::covered::{SizeMismatch, covered_in, mean, reach, same_size, strip_pixels};
 use super::filter::{FilterKernel, FilterWindow, FilteredRows, PlaneSize, RimMode, RowStrip, due};
 use crate::RgbPicture;
 use std::f64::consts::PI;
@@ -43,7 +43,7 @@ const FROM_XYZ: [[f64; 3]; 3] = [
 /// Returns an error if the pictures differ in size.
 pub fn flip(exact: &RgbPicture, other: &RgbPicture) -> Result<f64, SizeMismatch> {
     same_size(exact, other)?;
-    Ok(reach(exact, other).map_or(0.0, |window| flip_by(exact, other, &window, strip_pixels(&window))))
+    Ok(reach(exact, other, COLOR_RADIUS).map_or(0.0, |window| flip_by(exact, other, &window, strip_pixels(&window))))
 }
 
 /// Computes the error in strips of about this many pixels.
@@ -66,18 +66,6 @@ fn flip_by(exact: &RgbPicture, other: &RgbPicture, window: &FilterWindow, strip_
         }
         errors
     })
-}
-
-/// Returns the covered pixels and the pixels in reach of their filters.
-fn reach(exact: &RgbPicture, other: &RgbPicture) -> Option<FilterWindow> {
-    let (width, height) = (exact.width as usize, exact.height as usize);
-    let mut pixels = covered(exact, other).map(|i| (i % width, i / width));
-    let (x, y) = pixels.next()?;
-    let grow = |(low, high): (usize, usize), at: usize| (low.min(at), high.max(at));
-    let (columns, rows) = pixels.fold(((x, x), (y, y)), |(columns, rows), (x, y)| (grow(columns, x), grow(rows, y)));
-    let reached =
-        |(low, high): (usize, usize), size: usize| low.saturating_sub(COLOR_RADIUS)..(high + COLOR_RADIUS + 1).min(size);
-    Some(FilterWindow { columns: reached(columns, width), rows: reached(rows, height) })
 }
 
 /// Vision model of a row: filtered colour, and strength of edges and points in its luminance. It moves down the picture.
@@ -282,7 +270,7 @@ mod tests {
     #[test]
     fn strips_match_whole_picture() {
         let (exact, other) = (noise(31, 57, 1), noise(31, 57, 2));
-        let window = reach(&exact, &other).unwrap();
+        let window = reach(&exact, &other, COLOR_RADIUS).unwrap();
         let whole = flip_by(&exact, &other, &window, usize::MAX);
         for pixels in [1, 31 * 7, 31 * 40] {
             assert_eq!(flip_by(&exact, &other, &window, pixels).to_bits(), whole.to_bits(), "{pixels}");

@@ -1,8 +1,9 @@
 //! Structural similarity.
 
-use super::covered::{SizeMismatch, covered_in, mean, same_size, strip_pixels};
+use super::covered::{SizeMismatch, covered_in, mean, reach, same_size, strip_pixels};
 use super::filter::{FilterKernel, FilterWindow, FilteredRows, PlaneSize, RimMode, RowStrip, due};
 use crate::RgbPicture;
+use std::ops::Range;
 
 const SIGMA: f64 = 1.5;
 const RADIUS: usize = 5;
@@ -17,25 +18,24 @@ const C2: f64 = (0.03 * 255.0) * (0.03 * 255.0);
 /// Returns an error if the pictures differ in size.
 pub fn ssim(exact: &RgbPicture, other: &RgbPicture) -> Result<f64, SizeMismatch> {
     same_size(exact, other)?;
-    let whole = FilterWindow { columns: 0..exact.width as usize, rows: 0..exact.height as usize };
-    Ok(ssim_by(exact, other, &whole, strip_pixels(&whole)))
+    Ok(reach(exact, other, RADIUS).map_or(1.0, |window| ssim_by(exact, other, &window, strip_pixels(&window))))
 }
 
 /// Computes the similarity in strips of about this many pixels.
-fn ssim_by(exact: &RgbPicture, other: &RgbPicture, whole: &FilterWindow, strip_pixels: usize) -> f64 {
+fn ssim_by(exact: &RgbPicture, other: &RgbPicture, window: &FilterWindow, strip_pixels: usize) -> f64 {
     let kernel = FilterKernel::new(RADIUS, |d| libm::exp(-d * d / (2.0 * SIGMA * SIGMA))).normalised();
-    mean(&RowStrip::all(strip_pixels, whole, RADIUS), 1.0, |strip| {
-        let mut moments = LumaMoments::new(&kernel, PlaneSize { width: whole.width(), height: strip.reached.len() });
-        let mut similarities = Vec::with_capacity(strip.rows.len() * whole.width());
+    mean(&RowStrip::all(strip_pixels, window, RADIUS), 1.0, |strip| {
+        let mut moments = LumaMoments::new(&kernel, PlaneSize { width: window.width(), height: strip.reached.len() });
+        let mut similarities = Vec::with_capacity(strip.rows.len() * window.width());
         let mut taken = 0;
         for row in strip.rows.clone() {
             let at = row - strip.reached.start;
             for due in due(&mut taken, at + RADIUS, strip.reached.len()) {
-                let [x, y] = [exact, other].map(|picture| luma(picture, strip.reached.start + due));
+                let [x, y] = [exact, other].map(|picture| luma(picture, strip.reached.start + due, &window.columns));
                 moments.take(due, &x, &y);
             }
             moments.down(at, &kernel);
-            let first = row * whole.width();
+            let first = row * exact.width as usize + window.columns.start;
             similarities.extend(covered_in(exact, other, row..row + 1).map(|i| moments.similarity(i - first)));
         }
         similarities
@@ -75,10 +75,10 @@ impl<'a> LumaMoments<'a> {
     }
 }
 
-/// Returns the luma of a row.
-fn luma(picture: &RgbPicture, row: usize) -> Vec<f64> {
-    let width = picture.width as usize;
-    let pixels = picture.rgb.get(row * width..(row + 1) * width).unwrap_or_default();
+/// Returns the luma of these columns of a row.
+fn luma(picture: &RgbPicture, row: usize, columns: &Range<usize>) -> Vec<f64> {
+    let first = row * picture.width as usize;
+    let pixels = picture.rgb.get(first + columns.start..first + columns.end).unwrap_or_default();
     pixels.iter().map(|rgb| 0.299 * f64::from(rgb[0]) + 0.587 * f64::from(rgb[1]) + 0.114 * f64::from(rgb[2])).collect()
 }
 
@@ -86,6 +86,24 @@ fn luma(picture: &RgbPicture, row: usize) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::metrics::tests::noise;
+
+    #[test]
+    fn covered_part_matches_whole_picture() {
+        for rows in [0..3, 9..20, 38..41] {
+            let [exact, other] = [1, 2].map(|seed| {
+                let mut picture = noise(23, 41, seed);
+                picture
+                    .covered
+                    .iter_mut()
+                    .enumerate()
+                    .for_each(|(i, covered)| *covered = rows.contains(&(i / 23)) && i % 23 > 12);
+                picture
+            });
+            let whole = FilterWindow { columns: 0..23, rows: 0..41 };
+            let all = ssim_by(&exact, &other, &whole, usize::MAX);
+            assert_eq!(ssim(&exact, &other).unwrap().to_bits(), all.to_bits(), "{rows:?}");
+        }
+    }
 
     #[test]
     fn strips_match_whole_picture() {
