@@ -464,3 +464,19 @@ fn exploration_reports_share_of_front() {
     .unwrap();
     assert!(place.run("explore two.toml --budget 4").error(1).contains("two.toml: input: 2 inputs; expected one"));
 }
+
+#[test]
+fn sweep_without_a_result_is_an_error() {
+    let place = Place::new();
+    let plan = |rows: &str| {
+        let axes = format!("[axes]\nmemory.graphics.row_bytes = [{rows}]\n");
+        format!("input = \"demo:sphere@1\"\nobjectives = [\"cycles min\"]\n[view]\nsize = \"16x12\"\n{axes}")
+    };
+    fs::write(place.path("none.toml"), plan("16, 32")).unwrap();
+    let outcome = place.run("--quiet sweep none.toml --out none");
+    let message = outcome.error(1);
+    assert!(message.starts_with("all 2 points failed; none/points/ID/failed.json states why"), "{message}");
+    assert!(place.path("none/sweep.csv").exists(), "the tables are written before the error");
+    fs::write(place.path("one.toml"), plan("16, 4096")).unwrap();
+    place.ok("--quiet sweep one.toml --out one");
+}

@@ -1,6 +1,6 @@
 //! `basrelief explore`: finds the Pareto front of a plan with few runs.
 
-use super::plans::{OpenedPlan, counts, work, write_tables};
+use super::plans::{OpenedPlan, check_results, counts, work, write_tables};
 use crate::args::ExploreArgs;
 use crate::error::{CommandError, CommandResult, print};
 use crate::global::GlobalOptions;
@@ -34,5 +34,8 @@ pub fn explore(args: &ExploreArgs, global: &GlobalOptions) -> CommandResult {
     };
     said += &write_tables(&plan, &folder, &args.plan, &host)?;
     drop(host);
-    if global.quiet { Ok(()) } else { print(&said) }
+    if !global.quiet {
+        print(&said)?;
+    }
+    check_results(failed, points.len(), &args.plan.out)
 }

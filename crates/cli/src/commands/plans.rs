@@ -83,6 +83,21 @@ pub fn counts(
     format!("{points} {noun}: {there} reused, {run} run, {retimed} resimulated; {failed} failed\n{again}")
 }
 
+/// Returns an error if all points of a plan failed. A shard may consist of such points.
+///
+/// # Errors
+/// No point has a result.
+pub fn check_results(failed: usize, points: usize, out: &Path) -> CommandResult {
+    if failed < points || points == 0 {
+        return Ok(());
+    }
+    let which = if points == 1 { "the only point".to_owned() } else { format!("all {points} points") };
+    Err(CommandError::BadInput(format!(
+        "{which} failed; {}/points/ID/failed.json states why; correct the plan, or run them again with --retry-failed",
+        out.display()
+    )))
+}
+
 /// Writes the tables and returns a message.
 ///
 /// # Errors

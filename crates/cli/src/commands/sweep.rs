@@ -1,11 +1,11 @@
 //! `basrelief sweep`: runs the missing points of a plan.
 
 use super::cluster::{commands, job_script, missing_points};
-use super::plans::{OpenedPlan, SweepProgram, counts, sweep_error, work, write_tables};
+use super::plans::{OpenedPlan, SweepProgram, check_results, counts, sweep_error, work, write_tables};
 use crate::args::SweepArgs;
 use crate::error::{CommandError, CommandResult, print};
 use crate::global::GlobalOptions;
-use basrelief_dse::{Plan, PlanPoint, PointStatus, SweepFolder, SweepProgress, execute, verify};
+use basrelief_dse::{Plan, PlanPoint, PointStatus, SweepFolder, execute, verify};
 use std::fmt::Write as _;
 
 /// Runs a sweep.
@@ -19,9 +19,13 @@ pub fn sweep(args: &SweepArgs, global: &GlobalOptions) -> CommandResult {
     }
     let points = selected_points(&plan, args)?;
     let tally = execute(&plan, &work(&args.plan, &points, threads), &folder, &host).map_err(sweep_error)?;
-    let said = finish_sweep(&plan, &points, &tally, &folder, args, &host)?;
+    let failed = folder.find_all(&points).into_iter().filter(|found| *found == PointStatus::Failed).count();
+    let said = counts(&tally, failed) + &finish_sweep(&plan, &points, &folder, args, &host)?;
     drop(host);
-    if global.quiet { Ok(()) } else { print(&said) }
+    if !global.quiet {
+        print(&said)?;
+    }
+    check_results(failed, plan.points.len(), &args.plan.out)
 }
 
 /// Returns the points that the command line selects.
@@ -39,17 +43,15 @@ fn selected_points<'a>(plan: &'a Plan, args: &SweepArgs) -> CommandResult<Vec<&'
     })
 }
 
-/// Verifies points, writes the tables, and returns a summary.
+/// Verifies points, writes the tables, and returns a message.
 fn finish_sweep(
     plan: &Plan,
     points: &[&PlanPoint],
-    tally: &SweepProgress,
     folder: &SweepFolder,
     args: &SweepArgs,
     host: &SweepProgram<'_>,
 ) -> CommandResult<String> {
-    let failed = folder.find_all(points).into_iter().filter(|found| *found == PointStatus::Failed).count();
-    let mut said = counts(tally, failed);
+    let mut said = String::new();
     if let Some(percent) = args.verify {
         let (count, others) = verify(plan, points, percent, folder, host).map_err(sweep_error)?;
         if !others.is_empty() {
