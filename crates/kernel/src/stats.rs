@@ -187,7 +187,7 @@ impl UnitStats {
     }
 
     /// Reports a table of the unit with so many ports.
-    pub fn ported_table(&mut self, about: &'static str, count: u32, width: u32, ports: u32) {
+    pub fn ported_table(&mut self, about: &'static str, count: impl Into<u64>, width: u32, ports: u32) {
         self.piece(Hardware { ports, ..Hardware::new(&self.place, HardwareKind::Table, about, count.into(), width) });
     }
 

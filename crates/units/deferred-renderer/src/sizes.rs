@@ -1,6 +1,6 @@
 //! Sizes of the device's tables, computed from the configuration.
 
-use crate::config::{CellConfig, EngineConfig, WRAP_BITS};
+use crate::config::{CellConfig, EngineConfig, RenderMode, TileOrder, WRAP_BITS};
 use crate::page::PyramidCut;
 use basrelief_kernel::HardwareKind;
 use basrelief_kernel::stats::UnitStats;
@@ -11,6 +11,8 @@ const LONGEST_SIDE: u32 = 16_384;
 const ADDRESS: u32 = 32;
 /// Side of a layer, or tile pitch (138) \[bits\].
 const SIDE: u32 = 15;
+/// Most sources of a tile.
+const SOURCES: u32 = 4;
 /// Cells of a block.
 const BLOCK_CELLS: u32 = 16;
 
@@ -69,14 +71,21 @@ impl TableSizes {
         BLOCK_CELLS * (1 + self.cell_bits) + ADDRESS
     }
 
-    /// Reports the tile load lists (136). If tiles are requested in an order, it includes the keys of the order.
-    pub(crate) fn tell_lists(self, is_ordered: bool, stats: &mut UnitStats) {
-        let tiles = self.tiles;
-        stats.hardware(HardwareKind::Table, "tile load lists (136): N, L or E; two ports", tiles, 2);
+    /// Reports the tile load lists (136), in words of `engine.list_rate` tiles. If tiles are requested in an order, it includes the keys of
+    /// the order.
+    ///
+    /// The lists have a port for reading and a port for writing, because each mark changes the state of its tile. Four more ports read the
+    /// sources of a word of tiles, which are four words. In the progressive mode, the search of Figure 7B reads up to `engine.scan_rate`
+    /// words per cycle.
+    pub(crate) fn tell_lists(self, config: &EngineConfig, mode: RenderMode, order: TileOrder, stats: &mut UnitStats) {
+        let (tiles, rate) = (self.tiles, config.list_rate);
+        let searched = if mode == RenderMode::Progressive { config.scan_rate } else { 0 };
+        let ports = 2 + SOURCES + searched;
+        stats.ported_table("tile load lists (136): N, L or E", tiles.div_ceil(rate.into()), 2 * rate, ports);
         stats.hardware(HardwareKind::Registers, "pitch (138) and base (140) of a page's layers", self.layers, SIDE + ADDRESS);
-        stats.hardware(HardwareKind::Adder, "numbers of sources", 4_u32, ADDRESS);
-        if is_ordered {
-            stats.hardware(HardwareKind::Table, "pixels and distance of tiles", tiles, 2 * 32);
+        stats.hardware(HardwareKind::Adder, "numbers of sources", SOURCES, ADDRESS);
+        if order != TileOrder::Listed {
+            stats.ported_table("pixels and distance of tiles", tiles, 2 * 32, 2);
             stats.hardware(HardwareKind::Table, "tiles to acquire, in order, twice for merging", 2 * tiles, self.tile_bits() + 1);
             stats.hardware(HardwareKind::Adder, "order of tiles", 2_u32, 32);
         }

@@ -85,7 +85,7 @@ pub struct TileListsState {
 /// all later orders.
 ///
 /// Two bits per tile: the lists are stored in the unit, in words of `engine.list_rate` entries, and cause no traffic in the
-/// texture-data memory (assumed). The final rasterization reads them through its own port.
+/// texture-data memory (assumed). The search of the final rasterization reads them through ports of its own.
 #[derive(Clone, Debug)]
 pub struct TileLists {
     /// Parameters.
@@ -340,6 +340,6 @@ impl Unit for TileLists {
         if self.leaving.is_by_tiles() {
             self.tell_views(stats);
         }
-        self.sizes.tell_lists(self.order != TileOrder::Listed, stats);
+        self.sizes.tell_lists(&self.config, self.mode, self.order, stats);
     }
 }

@@ -4,6 +4,7 @@
 mod acquisition;
 mod contract;
 mod costs;
+mod hardware;
 mod layers;
 mod marking;
 mod pixels;
