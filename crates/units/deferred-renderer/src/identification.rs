@@ -147,7 +147,7 @@ impl Unit for Identification {
     fn report_stats(&self, stats: &mut UnitStats) {
         stats.figure("tiles_marked", self.state.counters.marked, "tiles", "Tiles marked, each time");
         self.sizes.tell_block(stats);
-        self.sizes.tell_pages(stats);
+        self.sizes.tell_pages(&self.config, stats);
         interpolators::tell_find(self.config.scan_rate, stats);
         interpolators::tell_marks(self.sizes, stats);
     }

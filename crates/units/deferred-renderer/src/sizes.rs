@@ -35,7 +35,7 @@ impl TableSizes {
     /// Computes the sizes of a configuration.
     pub fn new(cell: &CellConfig, cut: PyramidCut, engine: &EngineConfig) -> Self {
         let [width, height] = cut.tile;
-        let layers = (LONGEST_SIDE / width.min(height)).max(1).ilog2() + 1;
+        let layers = (LONGEST_SIDE / width.min(height)).max(1).ilog2().min(cut.most_depth.into()) + 1;
         let tile_texels = u64::from(width) * u64::from(height);
         Self {
             cell_bits: cell.bits(),
@@ -52,13 +52,14 @@ impl TableSizes {
     }
 
     /// Reports the tables of the two units that find texels of pages. Both passes over the reference buffer (126) use them, one after
-    /// the other, so one copy with one port suffices. They hold: Dmax (133), position and size of each page; width, height, tile
-    /// pitch (138) and tile base (140) of each layer.
-    pub(crate) fn tell_pages(self, stats: &mut UnitStats) {
+    /// the other, so one copy suffices. It has a port per layer that the faster of them looks up in a cycle. The tables hold: Dmax
+    /// (133), position and size of each page; width, height, tile pitch (138) and tile base (140) of each layer.
+    pub(crate) fn tell_pages(self, config: &EngineConfig, stats: &mut UnitStats) {
+        let ports = config.scan_rate.max(config.interpolation_rate);
         let pages = 1_u64 << self.page_bits;
-        stats.hardware(HardwareKind::Table, "pages (132): Dmax (133), place, size", pages, 5 + ADDRESS + 2 * SIDE);
+        stats.ported_table("pages (132): Dmax (133), place, size", pages, 5 + ADDRESS + 2 * SIDE, ports);
         let layer = 2 * SIDE + SIDE + ADDRESS;
-        stats.hardware(HardwareKind::Table, "layers: size, pitch (138), base (140)", pages * u64::from(self.layers), layer);
+        stats.ported_table("layers: size, pitch (138), base (140)", pages * u64::from(self.layers), layer, ports);
     }
 
     /// Reports the registers of a unit that works on a block of cells.

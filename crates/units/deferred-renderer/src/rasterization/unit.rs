@@ -60,6 +60,12 @@ impl Rasterization {
         std::mem::take(&mut self.state.records)
     }
 
+    /// Returns the layers whose texels are found in a cycle. In the progressive mode, the search finds those that it tests.
+    fn found_layers(&self) -> u32 {
+        let EngineConfig { interpolation_rate, scan_rate, .. } = self.config;
+        if self.mode == RenderMode::Progressive { scan_rate.max(interpolation_rate) } else { interpolation_rate }
+    }
+
     fn order(&mut self, order: StoreOrder, traffic: &mut MemoryPorts) -> Step<Out> {
         match order {
             StoreOrder::Load { page, tile } => self.state.phase = RasterizationPhase::Tile(page, tile),
@@ -261,7 +267,7 @@ impl Unit for Rasterization {
         stats.figure("most_pictures_per_frame", c.most_pictures, "pictures", "Most pictures of a frame");
         crate::layer_figures::tell(self.pages(), stats);
         self.sizes.tell_block(stats);
-        interpolators::tell_find(self.config.interpolation_rate, stats);
+        interpolators::tell_find(self.found_layers(), stats);
         interpolators::tell_interpolate(self.config.interpolation_rate, stats);
         interpolators::tell_average(self.config.average_rate, stats);
         if self.mode == RenderMode::Progressive {
