@@ -137,7 +137,7 @@ impl TexturePage {
         u64::from(self.tiles) * self.tile_bytes()
     }
 
-    /// Returns the size of a tile in the texture-data memory (130) \[bytes\].
+    /// Returns the room of a tile in the texture-data memory (130) \[bytes\].
     #[inline]
     pub fn tile_bytes(&self) -> u64 {
         4 * u64::from(self.cut.tile[0]) * u64::from(self.cut.tile[1])
@@ -166,6 +166,12 @@ impl TexturePage {
     /// Returns the number of texels of a tile.
     pub fn texels_in(&self, tile: u32) -> u64 {
         self.texels_of(tile).size().map(u64::from).into_iter().product()
+    }
+
+    /// Returns address and size of the texels of a tile in the texture-data memory (130) \[bytes\]. An edge tile fills its room only in
+    /// part. Its rows of blocks lie apart, but count as one range.
+    pub fn range_of(&self, tile: u32) -> (u64, u32) {
+        (self.address + u64::from(tile) * self.tile_bytes(), 4 * self.texels_in(tile) as u32)
     }
 
     /// Returns the tiles of the next finer layer that a tile is the average of: four, or two or one at the right and lower edge.

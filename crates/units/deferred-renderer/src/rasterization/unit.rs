@@ -81,12 +81,11 @@ impl Rasterization {
 
     fn synthesize(&mut self, page: u16, tile: u32, traffic: &mut MemoryPorts) -> Step<Out> {
         let Some(texels) = self.state.pages.get_mut(usize::from(page)) else { return Step::after(0, (None, None)) };
-        let bytes = texels.page.tile_bytes();
-        let address = |tile: u32| texels.page.address + u64::from(tile) * bytes;
-        for source in texels.page.sources(tile) {
-            traffic.read(SOURCES, address(source), bytes as u32);
+        for (address, bytes) in texels.page.sources(tile).into_iter().map(|source| texels.page.range_of(source)) {
+            traffic.read(SOURCES, address, bytes);
         }
-        traffic.write(STORE, address(tile), bytes as u32);
+        let (address, bytes) = texels.page.range_of(tile);
+        traffic.write(STORE, address, bytes);
         let cycles = texels.page.texels_in(tile).div_ceil(self.config.average_rate.into());
         texels.synthesize(tile, self.state.frame);
         // The sources of the next tile may be this one.
@@ -105,8 +104,8 @@ impl Rasterization {
         if let Some(own) = self.state.pages.get_mut(usize::from(page.number)) {
             own.store(*tile, texels, self.state.frame);
         }
-        let bytes = page.tile_bytes();
-        traffic.write(STORE, page.address + u64::from(*tile) * bytes, bytes as u32);
+        let (address, bytes) = page.range_of(*tile);
+        traffic.write(STORE, address, bytes);
         let cycles = (texels.len() as u64).div_ceil(self.config.average_rate.into());
         Step::after(0, (None, None)).busy(cycles.max(1))
     }

@@ -235,6 +235,30 @@ fn tile_occupies_rasterization_texel_by_texel() {
 }
 
 #[test]
+fn edge_tile_moves_its_own_texels_only() {
+    let (format, ends) = (CellFormat::new(&CellConfig::default(), 1.0), ViewpointEnds::default());
+    let mut unit = Rasterization::new(EngineConfig::default(), RenderMode::Best, ends, format, TableSizes::default());
+    // Layers of 10 x 5 and 20 x 9 texels: tile 0, and tiles 1 and 2 of 16 x 9 and 4 x 9 texels.
+    let page = page([20, 9], [16, 16]);
+    unit.state.pages.push(PageTexels::new(Arc::clone(&page)));
+    let mut requests = |pass, order, tile| {
+        let mut traffic = MemoryPorts::default();
+        unit.step((pass, order, tile), &mut traffic);
+        traffic.requests().iter().map(|r| (r.write, r.address, r.bytes)).collect::<Vec<_>>()
+    };
+    requests(Some(PassFlow::Begin), None, None);
+    let mut load = |tile, texels| {
+        requests(None, Some(StoreOrder::Load { page: 0, tile }), None);
+        let texels = vec![[9; 4]; texels].into();
+        requests(None, None, Some(ExpandedTile { page: Arc::clone(&page), tile, texels }))
+    };
+    assert_eq!(load(1, 16 * 9), [(true, 1024, 4 * 16 * 9)]);
+    assert_eq!(load(2, 4 * 9), [(true, 2048, 4 * 4 * 9)]);
+    let averaged = requests(None, Some(StoreOrder::Synthesize { page: 0, tile: 0 }), None);
+    assert_eq!(averaged, [(false, 1024, 4 * 16 * 9), (false, 2048, 4 * 4 * 9), (true, 0, 4 * 10 * 5)]);
+}
+
+#[test]
 fn final_rasterization_filters_after_its_texels() {
     let (format, engine) = (CellFormat::new(&CellConfig::default(), 1.0), EngineConfig::default());
     let mut unit = Rasterization::new(engine, RenderMode::Best, ViewpointEnds::default(), format, TableSizes::default());
