@@ -160,16 +160,19 @@ class Lists:
         page, tile = self.tiles[number][:2] if number is not None else (0, 0)
         return token(self.fields[output], kind=kind, page=page, tile=tile)
 
+    def word_cycles(self):
+        """Returns the cycles of passing over all lists, a word per cycle."""
+        return max(-(-self.firsts[self.pages] // self.config["list_rate"]), 1)
+
     def acquire(self):
         """Plans all tiles in state L. Returns the cycles, and an announcement if a tile will be loaded."""
-        known = self.firsts[self.pages]
-        for tile in self.order[:known]:
+        for tile in self.order[: self.firsts[self.pages]]:
             if self.states[tile] == "L":
                 sources = self.tiles[tile][2]
                 self.plan.append((tile, bool(sources) and all(self.states[s] == "E" for s in sources)))
                 self.states[tile] = "E"
         given = {0: self.token(0, 0)} if any(not averages for _, averages in self.plan) else {}
-        return max(-(-known // self.config["list_rate"]), 1), given
+        return self.word_cycles(), given
 
     def end(self):
         """Handles the end of marks."""
@@ -206,6 +209,7 @@ class Lists:
         kind, cycles, given = value(bits, fields, "kind"), 1, {}
         if kind == FRAME:
             self.states, self.pictures = ["N" if state == "L" else state for state in self.states], 0
+            cycles = self.word_cycles()
         elif kind == PAGE:
             self.pages += 1
         elif kind == ITEM:

@@ -3,7 +3,8 @@
 //
 // MODE is 0 for best resolution, 1 for progressive, 2 for conventional. A scan tests RATE tiles per cycle, page by page from layer Dmax (133) down.
 // Set-up registers hold this order, and the sources of each tile, as tile pitch (138) and tile base (140) give them. Tiles of all pages are
-// numbered through. A view ends after PICTURES pictures, never if 0. Holds for `tile.order` = listed, without `defer.left_at_tile`.
+// numbered through. The beginning of a view resets RATE tiles per cycle. A view ends after PICTURES pictures, never if 0. Holds for
+// `tile.order` = listed, without `defer.left_at_tile`.
 `default_nettype none
 module tile_lists #(parameter LATENCY = 8, RATE = 16, MODE = 0, PICTURES = 0, TILES = 256, PAGES = 4, MARKS = 16) (
     input  wire               clk, rst,
@@ -81,7 +82,9 @@ module tile_lists #(parameter LATENCY = 8, RATE = 16, MODE = 0, PICTURES = 0, TI
     assign out1_reserve = acquires;
     assign out2_reserve = (takes_end && improves) || (finishes && MODE != 1);
     wire [1:0] request = loads ? TILE : goes_on ? ANNOUNCE : LAST, store = !has_next ? LAST : next[16] ? SYNTHESIZE : LOAD;
-    wire [15:0] scan = (known + RATE - 1) / RATE, cycles = begins && scan != 0 ? scan : takes && kind == MARK && marked != 0 ? marked : 16'd1;
+    // A test and a reset pass over all lists.
+    wire passes = begins || (takes && kind == FRAME);
+    wire [15:0] scan = (known + RATE - 1) / RATE, cycles = passes && scan != 0 ? scan : takes && kind == MARK && marked != 0 ? marked : 16'd1;
     wire [15:0] latency = LATENCY + (takes_end ? cycles - 16'd1 : 16'd0);
     occupancy busy (.clk, .rst, .start, .cycles, .free);
     delivery #(.W(`OUT0_W), .DEPTH(`OUT0_DEPTH)) requests (.clk, .rst, .put(out0_reserve), .data({loads ? {next_tile[47:16], next_tile[15:0]} : 48'd0, request}),

@@ -222,7 +222,7 @@ parameters! {
         scan_rate: u32 = 1, unit: "cells/cycle", Assumed("one pixel per cycle"), range: 1..=16;
         /// Blocks of 4 x 4 cells of the reference buffer (126) that gather writes. The least recently written one is evicted.
         write_lines: u32 = 8, unit: "blocks", Assumed("2 KiB of registers; the edge that two triangles share lies in blocks that both write"), range: 1..=64;
-        /// Entries of the tile load list (136) tested per cycle.
+        /// Entries of the tile load list (136) tested or reset per cycle.
         list_rate: u32 = 16, unit: "tiles/cycle", Assumed("two bits each: a word per cycle"), range: 1..=1024;
         /// Bilinear interpolations per cycle. An interpolation between two layers comes with the second.
         interpolation_rate: u32 = 1, unit: "interpolations/cycle", Assumed("one interpolator"), range: 1..=16;

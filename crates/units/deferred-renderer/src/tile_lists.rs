@@ -20,13 +20,30 @@ struct TilePriority {
 
 const UNWANTED: TilePriority = TilePriority { pixels: 0, distance: u32::MAX };
 
+impl TilePriority {
+    fn and(self, more: Self) -> Self {
+        Self { pixels: self.pixels.saturating_add(more.pixels), distance: self.distance.min(more.distance) }
+    }
+}
+
 /// A page and its tile load list (136).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct ListedPage {
     page: Arc<TexturePage>,
     list: TileList,
-    /// Priorities by tile. Empty if the order does not use them.
+    /// Priorities of the tiles in state L. Empty if the order does not use them.
     wanted: Vec<TilePriority>,
+}
+
+impl ListedPage {
+    /// Marks a tile. The first mark replaces the priority of an earlier view, so priorities need no reset.
+    #[inline]
+    fn mark(&mut self, tile: u32, priority: TilePriority) {
+        let is_first = self.list.mark(tile);
+        if let Some(wanted) = self.wanted.get_mut(tile as usize) {
+            *wanted = if is_first { priority } else { wanted.and(priority) };
+        }
+    }
 }
 
 /// Phase of the lists.
@@ -119,23 +136,27 @@ impl TileLists {
 
     #[inline]
     fn mark(&mut self, mark: &TileMark) {
-        let Some(listed) = self.state.pages.get_mut(usize::from(mark.page)) else { return };
-        listed.list.mark(mark.tile);
-        if let Some(wanted) = listed.wanted.get_mut(mark.tile as usize) {
-            wanted.pixels = wanted.pixels.saturating_add(mark.pixels);
-            wanted.distance = wanted.distance.min(mark.distance);
+        if let Some(listed) = self.state.pages.get_mut(usize::from(mark.page)) {
+            listed.mark(mark.tile, TilePriority { pixels: mark.pixels, distance: mark.distance });
         }
     }
 
-    /// Begins a new viewpoint (482): planned loads are cancelled. Tiles in flight are already E.
-    fn forget(&mut self) {
+    /// Begins a new viewpoint (482): planned loads are cancelled. Tiles in flight are already E. Returns the cycles of resetting the
+    /// lists.
+    fn forget(&mut self) -> u64 {
         self.leaving.turn_to(self.state.views.len() as u64);
         self.state.views.push(ViewTiles::default());
         self.state.pictures = 0;
         for listed in &mut self.state.pages {
             listed.list.forget();
-            listed.wanted.fill(UNWANTED);
         }
+        self.word_cycles()
+    }
+
+    /// Returns the cycles of passing over all lists, a word per cycle.
+    fn word_cycles(&self) -> u64 {
+        let tiles: u64 = self.state.pages.iter().map(|listed| u64::from(listed.page.tiles())).sum();
+        tiles.div_ceil(self.config.list_rate.into()).max(1)
     }
 
     /// Marks whole layers: all of them (conventional) or the top tiles (471).
@@ -143,17 +164,13 @@ impl TileLists {
         let whole = self.mode == RenderMode::Conventional;
         for listed in &mut self.state.pages {
             let end = if whole { listed.page.tiles() } else { listed.page.layers[0].pitch * listed.page.layers[0].rows };
-            (0..end).for_each(|tile| {
-                listed.list.mark(tile);
-            });
+            (0..end).for_each(|tile| listed.mark(tile, UNWANTED));
         }
     }
 
     /// Runs Figure 6 for every page. Returns the cycles of testing the lists and sorting the results.
     fn acquire(&mut self) -> u64 {
-        let mut looked_at = 0;
         for listed in &mut self.state.pages {
-            looked_at += u64::from(listed.page.tiles());
             let number = listed.page.number;
             self.state.plan.extend(listed.list.acquire(&listed.page).into_iter().map(|a| (number, a)));
         }
@@ -161,7 +178,7 @@ impl TileLists {
         if !self.state.plan.is_empty() {
             self.state.counters.acquisitions += 1;
         }
-        looked_at.div_ceil(self.config.list_rate.into()).max(1) + sorted
+        self.word_cycles() + sorted
     }
 
     /// Sorts the loads in the selected order, with averages behind them. Equal loads keep their order. Returns the cycles: one
@@ -221,12 +238,17 @@ impl TileLists {
         (cycles, (self.announcement(), None, Some(PassRound::Again)))
     }
 
-    /// Returns the next tile of the plan, unless the user moves on (475).
-    fn next(&mut self) -> Out {
-        if self.is_left_here() {
-            self.abandon();
-        }
-        let Some((page, AcquiredTile { tile, how })) = self.state.plan.pop_front() else { return self.end_of_acquisition() };
+    /// Returns the next tile of the plan, unless the user moves on (475), and the cycles.
+    fn next(&mut self) -> (u64, Out) {
+        let cycles = if self.is_left_here() { self.abandon() } else { 1 };
+        let Some((page, AcquiredTile { tile, how })) = self.state.plan.pop_front() else {
+            return (cycles, self.end_of_acquisition());
+        };
+        (cycles, self.acquired(page, tile, how))
+    }
+
+    /// Returns the orders for a tile of the plan.
+    fn acquired(&mut self, page: u16, tile: u32, how: TileOrigin) -> Out {
         match how {
             TileOrigin::Loaded => {
                 self.state.counters.loaded += 1;
@@ -250,15 +272,16 @@ impl TileLists {
         self.mode == RenderMode::Progressive && self.leaving.is_in_place_of(number as u64, view.loaded + 1, &mut self.loads())
     }
 
-    /// Resets all planned tiles to N.
-    fn abandon(&mut self) {
-        let abandoned = self.loads().count() as u32;
+    /// Resets all planned tiles to N. Returns the cycles, one for each.
+    fn abandon(&mut self) -> u64 {
+        let (planned, abandoned) = (self.state.plan.len() as u64, self.loads().count() as u32);
         for (page, acquired) in self.state.plan.drain(..) {
             self.state.pages[usize::from(page)].list.abandon(acquired.tile);
         }
         if let Some(view) = self.state.views.last_mut() {
             *view = ViewTiles { abandoned, is_left: true, ..*view };
         }
+        planned
     }
 
     fn end_of_acquisition(&mut self) -> Out {
@@ -285,7 +308,7 @@ impl TileLists {
 
     fn take(&mut self, token: MarkFlow) -> (u64, Out) {
         match token {
-            MarkFlow::Frame => self.forget(),
+            MarkFlow::Frame => return (self.forget(), (None, None, None)),
             MarkFlow::Page(page) => self.add(page),
             MarkFlow::Marks(marks) => {
                 marks.iter().for_each(|mark| self.mark(mark));
@@ -315,13 +338,11 @@ impl Unit for TileLists {
     #[inline]
     fn step(&mut self, (identified, improved): Self::In, _: &mut MemoryPorts) -> Step<Out> {
         let latency = u64::from(self.config.latency);
-        match identified.or(improved) {
-            Some(token) => {
-                let (cycles, out) = self.take(token);
-                Step::during(cycles, latency, out)
-            }
-            None => Step::after(latency, self.next()),
-        }
+        let (cycles, out) = match identified.or(improved) {
+            Some(token) => self.take(token),
+            None => self.next(),
+        };
+        Step::during(cycles, latency, out)
     }
 
     fn is_empty(&self) -> bool {

@@ -1,8 +1,8 @@
 //! Tables of the units follow from the rates at which they are accessed.
 
 use basrelief_deferred_renderer::{
-    CellConfig, CellFormat, EngineConfig, Identification, PyramidCut, Rasterization, RenderMode, TableSizes, TileLists, TileOrder,
-    ViewpointEnds,
+    CellConfig, CellFormat, EngineConfig, Identification, PyramidCut, Rasterization, RenderMode, TableSizes, TileLists,
+    TileOrder, ViewpointEnds,
 };
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Hardware, Unit};

@@ -8,6 +8,7 @@ mod hardware;
 mod layers;
 mod marking;
 mod pixels;
+mod resets;
 mod two_wires;
 
 use basrelief_deferred_renderer::{PyramidCut, TexturePage};
