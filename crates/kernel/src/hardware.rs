@@ -254,10 +254,11 @@ impl Hardware {
         ]
     }
 
-    /// Data of a periodic client: it uses those of one read while those of the next arrive.
-    pub(crate) fn of_periodic_client(name: &str, read_bytes: u32) -> Self {
-        let bits = read_bytes.saturating_mul(8);
-        Self { ports: 2, ..Self::new(name, HardwareKind::LineBuffer, "data in use, data of the next read", 2, bits) }
+    /// Data of a periodic client, in bursts: it uses those of one read while those of the next arrive.
+    pub(crate) fn of_periodic_client(name: &str, read_bytes: u32, burst_bytes: u32) -> Self {
+        let bursts = 2 * u64::from(read_bytes.div_ceil(burst_bytes.max(1)));
+        let bits = burst_bytes.saturating_mul(8);
+        Self { ports: 2, ..Self::new(name, HardwareKind::LineBuffer, "data in use and of the next read", bursts, bits) }
     }
 }
 

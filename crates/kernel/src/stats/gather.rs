@@ -34,10 +34,12 @@ impl UnitStats {
             let [lines, requests] = Hardware::of_port(&port.name, port.outstanding(), data);
             self.hardware.extend(control.is_none().then_some(lines).into_iter().chain([requests]));
         }
-        let periodic = memories.memories().iter().flat_map(|memory| &memory.periodic).filter(|client| client.reads.bytes > 0);
-        self.hardware.extend(periodic.map(|PeriodicClient { client, reads, .. }| {
-            Hardware::of_periodic_client(memories.client_name(*client), reads.bytes)
-        }));
+        for memory in memories.memories() {
+            let reading = memory.periodic.iter().filter(|client| client.reads.bytes > 0);
+            self.hardware.extend(reading.map(|PeriodicClient { client, reads, .. }| {
+                Hardware::of_periodic_client(memories.client_name(*client), reads.bytes, memory.burst_bytes)
+            }));
+        }
     }
 }
 
