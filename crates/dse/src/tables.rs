@@ -136,40 +136,15 @@ const MOST_AXES: usize = 12;
 /// Returns the Pareto front as a text table. Below each point are its ties, with `=` for its objectives.
 fn front_text(table: &Table) -> String {
     let mut front = front::front_points(table);
-    let (points, of) = (front.len(), table.rows.iter().filter(|row| table.feasible(row)).count());
-    let kept: Vec<String> = table.constraints.iter().map(ToString::to_string).collect();
-    let keep = if kept.is_empty() { String::new() } else { format!(" that keep {}", kept.join(", ")) };
-    let are = if points == 1 { "is" } else { "are" };
-    let among = if input_column(table).is_some() { ", each among the points of its input" } else { "" };
-    let mut text = format!("{}\n{points} of {of} points{keep} {are} Pareto-optimal{among}\n", table.title);
-    let ties: usize = front.iter().map(|point| point.ties.len()).sum();
-    if ties > 0 {
-        let _ =
-            writeln!(text, "Ties: {ties}. A row with `=` equals the point above it in every objective and has no smaller area.");
-    }
-    let objectives: Vec<usize> = table.objectives().map(|(at, _)| at).collect();
-    let are_axes_few = table.axes().count() <= MOST_AXES;
-    let shown: Vec<usize> = objectives.iter().copied().chain(table.axes().filter(|_| are_axes_few)).collect();
-    let title = |&at: &usize| match table.columns[at].role {
-        ColumnRole::Objective(ObjectiveDirection::Min) => format!("{} min", table.columns[at].header()),
-        ColumnRole::Objective(ObjectiveDirection::Max) => format!("{} max", table.columns[at].header()),
-        ColumnRole::Axis | ColumnRole::Figure => table.columns[at].header(),
-    };
-    let cost = |row: usize| shown.first().and_then(|&at| table.rows[row].cells[at].number()).unwrap_or(f64::NAN);
-    let inputs = input_numbers(table);
-    // Stable: of equals the first of the plan is first.
-    front.sort_by(|a, b| inputs[a.row].cmp(&inputs[b.row]).then(cost(a.row).total_cmp(&cost(b.row))));
-    let line = |row: usize, is_tie: bool| {
-        let cell = |&at: &usize| {
-            if is_tie && objectives.contains(&at) { "=".into() } else { table.rows[row].cells[at].to_string() }
-        };
-        shown.iter().map(cell).chain((!are_axes_few).then(|| changed_axes(table, row))).collect::<Vec<String>>()
-    };
-    let all = front.iter().flat_map(|point| {
-        std::iter::once(line(point.row, false)).chain(point.ties.iter().map(|tie| line(*tie, true))).collect::<Vec<_>>()
+    let (points, ties) = (front.len(), front.iter().map(|point| point.ties.len()).sum());
+    let columns = FrontColumns::of(table);
+    columns.sort(&mut front);
+    let rows = front.iter().flat_map(|point| {
+        let ties = point.ties.iter().map(|tie| columns.cells(*tie, true));
+        std::iter::once(columns.cells(point.row, false)).chain(ties).collect::<Vec<_>>()
     });
-    let titles = shown.iter().map(title).chain((!are_axes_few).then(|| "change from the first point".into())).collect();
-    let lines: Vec<Vec<String>> = std::iter::once(titles).chain(all.take(MOST_PRINTED)).collect();
+    let lines: Vec<Vec<String>> = std::iter::once(columns.titles()).chain(rows.take(MOST_PRINTED)).collect();
+    let mut text = front_heading(table, points, ties);
     if points > 0 {
         text += &aligned(&lines);
     }
@@ -177,6 +152,63 @@ fn front_text(table: &Table) -> String {
         let _ = writeln!(text, "... and {} more", points + ties - MOST_PRINTED);
     }
     text + &failures(table)
+}
+
+/// Returns the title of a sweep and the counts of its front.
+fn front_heading(table: &Table, points: usize, ties: usize) -> String {
+    let of = table.rows.iter().filter(|row| table.feasible(row)).count();
+    let kept: Vec<String> = table.constraints.iter().map(ToString::to_string).collect();
+    let keep = if kept.is_empty() { String::new() } else { format!(" that keep {}", kept.join(", ")) };
+    let are = if points == 1 { "is" } else { "are" };
+    let among = if input_column(table).is_some() { ", each among the points of its input" } else { "" };
+    let mut text = format!("{}\n{points} of {of} points{keep} {are} Pareto-optimal{among}\n", table.title);
+    if ties > 0 {
+        let _ =
+            writeln!(text, "Ties: {ties}. A row with `=` equals the point above it in every objective and has no smaller area.");
+    }
+    text
+}
+
+/// The columns of a front in text: objectives, then axes, or what a point changes if there are many axes.
+struct FrontColumns<'a> {
+    table: &'a Table,
+    objectives: Vec<usize>,
+    shown: Vec<usize>,
+    are_axes_few: bool,
+}
+
+impl<'a> FrontColumns<'a> {
+    fn of(table: &'a Table) -> Self {
+        let objectives: Vec<usize> = table.objectives().map(|(at, _)| at).collect();
+        let are_axes_few = table.axes().count() <= MOST_AXES;
+        let shown = objectives.iter().copied().chain(table.axes().filter(|_| are_axes_few)).collect();
+        Self { table, objectives, shown, are_axes_few }
+    }
+
+    /// Sorts points by input, then by the first objective. Of equals the first of the plan is first.
+    fn sort(&self, front: &mut [front::FrontPoint]) {
+        let cost = |row: usize| self.shown.first().and_then(|&at| self.table.rows[row].cells[at].number()).unwrap_or(f64::NAN);
+        let inputs = input_numbers(self.table);
+        front.sort_by(|a, b| inputs[a.row].cmp(&inputs[b.row]).then(cost(a.row).total_cmp(&cost(b.row))));
+    }
+
+    fn titles(&self) -> Vec<String> {
+        let title = |&at: &usize| match self.table.columns[at].role {
+            ColumnRole::Objective(ObjectiveDirection::Min) => format!("{} min", self.table.columns[at].header()),
+            ColumnRole::Objective(ObjectiveDirection::Max) => format!("{} max", self.table.columns[at].header()),
+            ColumnRole::Axis | ColumnRole::Figure => self.table.columns[at].header(),
+        };
+        self.shown.iter().map(title).chain((!self.are_axes_few).then(|| "change from the first point".into())).collect()
+    }
+
+    /// Returns the cells of a row. The objectives of a tie are those of the row above.
+    fn cells(&self, row: usize, is_tie: bool) -> Vec<String> {
+        let cell = |&at: &usize| match is_tie && self.objectives.contains(&at) {
+            true => "=".into(),
+            false => self.table.rows[row].cells[at].to_string(),
+        };
+        self.shown.iter().map(cell).chain((!self.are_axes_few).then(|| changed_axes(self.table, row))).collect()
+    }
 }
 
 /// Returns the axes of a row whose values differ from those of the first row.
