@@ -210,7 +210,8 @@ impl BrightnessFetch {
     fn tell_hardware(&self, stats: &mut UnitStats) {
         let c = &self.config;
         let values = c.values();
-        let blenders = u64::from(c.samples_per_cycle * values);
+        // A single level is not interpolated.
+        let blenders = if c.levels > 1 { u64::from(c.samples_per_cycle * values) } else { 0 };
         let share = OperandWidth::fixed(c.bits, SHARE).of_integers();
         stats.hardware(HardwareKind::Multiplier, "share of a level", blenders, share);
         stats.hardware(HardwareKind::Adder, "sum of levels", blenders, OperandWidth::from(c.bits).of_integers());

@@ -174,6 +174,11 @@ fn hardware_that_no_step_uses_is_not_counted() {
     assert_eq!(bump("graphics.draw", "after_list"), ["held"]);
     assert_eq!(bump("replacement.codebook", "per_object"), ["gathered"]);
     assert_eq!(lost(ports::<ShadeConfig>(&[]), ports::<ShadeConfig>(&[("display.enabled", "false")])), ["scan_out"]);
+    let blends = |levels| {
+        let config: BumpProcessorConfig = config(&[("brightness.levels", levels)]);
+        config.hardware().unwrap().iter().any(|piece| piece.about == "sum of levels")
+    };
+    assert_eq!(["1", "2"].map(blends), [false, true]);
 }
 
 #[test]
