@@ -252,10 +252,11 @@ def tile_lists(base, seed):
 
 
 def reference_buffer(base, seed):
-    """Returns vectors of the reference buffer (126) in both kinds of passes: blocks written again, empty blocks, frames of other sizes."""
+    """Returns vectors of the reference buffer (126) in both kinds of passes: blocks written again, empty blocks, frames of other sizes, few flags."""
     made = Synthetic(base, "reference-buffer", seed)
-    made.config = {**base.config, "defer": {**base.config["defer"], "mode": ["best", "progressive"][seed]}}
-    config, rng, names = made.config["engine"], made.random, made.stages[made.only]
+    made.config = {**base.config, "defer": {**base.config["defer"], "mode": ["best", "progressive"][seed]},
+                   "engine": {**base.config["engine"], "flags": [131_072, 7][seed], "flags_per_cycle": [64, 3][seed]}}
+    rng, names = made.random, made.stages[made.only]
     fields, out = made.fields[names["inputs"][0]], made.fields[names["outputs"][0]]
     streams = [[], []]
     for number in range(6):
@@ -286,10 +287,20 @@ class Buffer:
     def __init__(self, made, fields, out, size):
         self.is_best, self.config, self.fields, self.out, self.size = made.config["defer"]["mode"] == "best", made.config["engine"], fields, out, size
         self.phase, self.cells, self.lines, self.columns, self.rows, self.block = "fill", {}, [], 0, 0, 0
+        self.clear, self.unflagged = set(), []
         self.parts = [name[2:] for name, *_ in fields if name.startswith("0_") and name[2:] not in "xy"]
 
     def write(self, block):
         return ("w", 1, block * self.size, self.size)
+
+    def begin(self, numbers):
+        """Begins a frame. Returns the cycles."""
+        self.cells, self.lines = {}, []
+        self.columns, self.rows = -(-numbers["width"] // 4), -(-numbers["height"] // 4)
+        blocks, flagged = list(range(self.columns * self.rows)), self.config["flags"] if self.config["clear_flags"] else 0
+        self.clear, self.unflagged = set(blocks[:flagged]), blocks[flagged:]
+        self.phase = "clear" if self.unflagged else "fill"
+        return max(-(-len(self.clear) // self.config["flags_per_cycle"]), 1)
 
     def put(self, bits):
         """Stores the cells of a token. Returns the requests."""
@@ -298,6 +309,7 @@ class Buffer:
             x, y = (value(bits, self.fields, f"{i}_{axis}") for axis in "xy")
             block = y // 4 * self.columns + x // 4
             self.cells[block, y % 4 * 4 + x % 4] = {part: value(bits, self.fields, f"{i}_{part}") for part in self.parts}
+        self.clear.discard(block)
         self.lines = [line for line in self.lines if line != block] + [block]
         return count, [self.write(self.lines.pop(0))] if len(self.lines) > self.config["write_lines"] else []
 
@@ -320,7 +332,8 @@ class Buffer:
             mask |= (cell["page"] != EMPTY) << i
         bits = token(self.out, kind=ITEM, x=block % self.columns, y=block // self.columns, mask=mask, **values)
         self.block += 1
-        return {output: bits} if output or mask else {}, [("r", 0, block * self.size, self.size)], -(-16 // self.config["scan_rate"])
+        requests = [] if block in self.clear else [("r", 0, block * self.size, self.size)]
+        return {output: bits} if output or mask else {}, requests, -(-16 // self.config["scan_rate"])
 
     def step(self, taken):
         latency, given, requests, cycles = self.config["latency"], {}, [], 1
@@ -332,11 +345,13 @@ class Buffer:
         elif 0 in taken:
             numbers = {name: value(taken[0], self.fields, name) for name in ("number", "width", "height")}
             if kind == FRAME:
-                self.cells, self.lines = {}, []
-                self.columns, self.rows = -(-numbers["width"] // 4), -(-numbers["height"] // 4)
+                cycles = self.begin(numbers)
             given = dict.fromkeys((0, 1), token(self.out, kind=kind, **numbers))
         elif 1 in taken:
             self.phase = "begin" if taken[1] else "fill"
+        elif self.phase == "clear":
+            requests = [self.write(self.unflagged.pop(0))]
+            self.phase = "clear" if self.unflagged else "fill"
         elif self.phase == "begin":
             self.phase = "colour"
             given = {1: token(self.out, kind=PASS_BEGIN)}

@@ -47,14 +47,17 @@ def circuit(name):
     return parameters
 
 
+def flags(config):
+    """Returns the parameters of the flags of clear lines."""
+    return dict(LIMIT=config["flags"] if config["clear_flags"] else 0, PER_CYCLE=config["flags_per_cycle"])
+
+
 def frame_buffer(recording, stage):
     """Returns the parameters of a frame buffer."""
     config, display = recording.config["frame_buffer"], recording.config["display"]
     inputs = recording.stages[stage]["inputs"]
     packets = any(name == "mask" for name, *_ in recording.fields[inputs[0]])
-    limit = config["flags"] if config["clear_flags"] else 0
-    return dict(PACKETS=int(packets), LINES=config["write_lines"], LIMIT=limit, PER_CYCLE=config["flags_per_cycle"],
-                LINE_BYTES=16 * config["pixel_bytes"], BUFFERS=display["buffers"])
+    return dict(flags(config), PACKETS=int(packets), LINES=config["write_lines"], LINE_BYTES=16 * config["pixel_bytes"], BUFFERS=display["buffers"])
 
 
 def depth_test(recording, stage):
@@ -62,9 +65,8 @@ def depth_test(recording, stage):
     config, fields = recording.config["depth"], recording.fields[recording.stages[stage]["inputs"][0]]
     packets = any(name == "packet_mask" for name, *_ in fields)
     bits = next(bits for name, _, bits in fields if name == "0_z")
-    limit = config["flags"] if config["clear_flags"] else 0
-    return dict(PACKETS=int(packets), Z=bits, LATENCY=recording.number(stage, "latency"), LINES=config["write_lines"], LIMIT=limit,
-                PER_CYCLE=config["flags_per_cycle"], LINE_BYTES=16 * (2 if bits <= 16 else 4), BASE="64'h10002000")
+    return dict(flags(config), PACKETS=int(packets), Z=bits, LATENCY=recording.number(stage, "latency"), LINES=config["write_lines"],
+                LINE_BYTES=16 * (2 if bits <= 16 else 4), BASE="64'h10002000")
 
 
 def numbers(**names):
@@ -229,8 +231,8 @@ def page_files(recording, stage):
 def reference_buffer(recording, stage):
     """Returns the parameters of the reference buffer (126)."""
     config = recording.config["engine"]
-    return dict(LATENCY=config["latency"], LINES=config["write_lines"], SCAN=config["scan_rate"], CELL_BYTES=recording.number(stage, "cell_bytes"),
-                BEST=int(recording.config["defer"]["mode"] == "best"))
+    return dict(flags(config), LATENCY=config["latency"], LINES=config["write_lines"], SCAN=config["scan_rate"],
+                CELL_BYTES=recording.number(stage, "cell_bytes"), BEST=int(recording.config["defer"]["mode"] == "best"))
 
 
 def tiles_of(recording, stage):

@@ -198,10 +198,11 @@ parameters! {
 pub(crate) const WRAP_BITS: u32 = 2 * 2;
 
 impl CellConfig {
-    /// Returns the bits of a cell: the larger of Figures 3A and 3B.
+    /// Returns the bits of a cell: the larger of Figures 3A and 3B. A bit of the padding (306) of a direct colour distinguishes it from
+    /// an empty cell.
     pub fn bits(&self) -> u32 {
         let textured = self.page_bits + WRAP_BITS + 2 * self.coordinate_bits + self.depth_bits + 3 * self.brightness_bits;
-        1 + textured.max(24)
+        1 + textured.max(1 + 24)
     }
 }
 
@@ -222,6 +223,13 @@ parameters! {
         scan_rate: u32 = 1, unit: "cells/cycle", Assumed("one pixel per cycle"), range: 1..=16;
         /// Blocks of 4 x 4 cells of the reference buffer (126) that gather writes. The least recently written one is evicted.
         write_lines: u32 = 8, unit: "blocks", Assumed("2 KiB of registers; the edge that two triangles share lies in blocks that both write"), range: 1..=64;
+        /// True if each block has a flag for "not written in this frame". A pass does not read a flagged block. False: the beginning of
+        /// the frame clears all blocks by writes.
+        clear_flags: bool = true, unit: "", Assumed("as the z-test: a fast clear that moves no data has to be kept somewhere, a bit per block");
+        /// Number of flags. The beginning of the frame clears the blocks of a larger picture beyond the last flag.
+        flags: u32 = 131_072, unit: "bits", Assumed("as the z-test: pictures of 2 million pixels"), range: 1..=16_777_216;
+        /// Flags that are set in a cycle.
+        flags_per_cycle: u32 = 64, unit: "bits", Assumed("a word of the memory of the flags"), range: 1..=65_536;
         /// Entries of the tile load list (136) tested or reset per cycle.
         list_rate: u32 = 16, unit: "tiles/cycle", Assumed("two bits each: a word per cycle"), range: 1..=1024;
         /// Bilinear interpolations per cycle. An interpolation between two layers comes with the second.

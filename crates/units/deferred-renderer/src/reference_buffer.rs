@@ -6,7 +6,7 @@ use crate::{ReferenceCell, TableSizes, TexturePage};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit, UnitTable};
 use basrelief_shading::{BLOCK, pixel_offset};
-use basrelief_signals::{Frame, GatheredLines, Stamp, layout};
+use basrelief_signals::{Frame, GatheredLines, LineFlags, Stamp, layout};
 use serde::{Deserialize, Serialize};
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ const BLOCK_CELLS: usize = 16;
 /// Phase of the reference buffer within a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 enum BufferPhase {
-    /// Receives cells (454), up to the end of the frame.
+    /// Clears the blocks without flags, then receives cells (454), up to the end of the frame.
     #[default]
     Fill,
     /// Writes the remaining gathered blocks, one per step.
@@ -74,6 +74,8 @@ pub struct ReferenceBufferState {
     pub cells: Vec<ReferenceCell>,
     /// Pages so far, by number.
     pub pages: Vec<Arc<TexturePage>>,
+    /// Clear flags: set for a block that was not written in this frame.
+    pub flags: LineFlags,
     /// Blocks that gather writes.
     pub lines: GatheredLines,
     /// Filled buffers that are not fetched yet, if recording is enabled.
@@ -88,6 +90,10 @@ pub struct ReferenceBufferState {
 ///
 /// Inputs: cells, and the news of another round. Outputs: passes to identification and to the final rasterization. Client 0
 /// reads, client 1 writes: 4 x 4 cells at a time. Some blocks gather writes (`engine.write_lines`).
+///
+/// A frame begins with a clear. It sets a flag for each block (`engine.clear_flags`, as many as `engine.flags`), and the first write to
+/// a block resets the flag. All other cells of this write are empty. Blocks without a flag are cleared by writes at the beginning of the
+/// frame, one per step. A pass does not read a block with a flag, but keeps its pace (assumed).
 #[derive(Clone, Debug)]
 pub struct ReferenceBuffer {
     /// Parameters.
@@ -121,14 +127,21 @@ impl ReferenceBuffer {
         std::mem::take(&mut self.state.filled)
     }
 
-    fn begin(&mut self, frame: &Arc<Frame>) {
+    /// Begins a frame. Returns the cycles that its flags take.
+    fn begin(&mut self, frame: &Arc<Frame>) -> u64 {
         // The pixel buffer reports a picture that is too large.
         let room = if layout::fits(frame.width, frame.height) { [frame.width, frame.height] } else { [0, 0] };
         let blocks = room.map(|n| n.div_ceil(BLOCK) as usize);
+        let blocks = blocks[0] * blocks[1];
         self.state.cells.clear();
-        self.state.cells.resize(blocks[0] * blocks[1] * BLOCK_CELLS, ReferenceCell::default());
+        self.state.cells.resize(blocks * BLOCK_CELLS, ReferenceCell::default());
         self.state.frame = Some(Arc::clone(frame));
         self.state.lines = GatheredLines::default();
+        self.state.flags.begin(blocks as u64, self.flags(), self.config.flags_per_cycle)
+    }
+
+    fn flags(&self) -> u32 {
+        if self.config.clear_flags { self.config.flags } else { 0 }
     }
 
     #[inline]
@@ -140,7 +153,9 @@ impl ReferenceBuffer {
             let Some(cell) = self.state.cells.get_mut(offset as usize) else { continue };
             *cell = placed.cell;
             self.state.counters.written += 1;
-            if let Some(gone) = self.state.lines.touch(offset / BLOCK_CELLS as u64, self.config.write_lines) {
+            let block = offset / BLOCK_CELLS as u64;
+            self.state.flags.draw(block);
+            if let Some(gone) = self.state.lines.touch(block, self.config.write_lines) {
                 self.write(gone, traffic);
             }
         }
@@ -163,8 +178,8 @@ impl ReferenceBuffer {
         let latency = u64::from(self.config.latency);
         match token {
             CellFlow::Frame(frame) => {
-                self.begin(&frame);
-                Step::after(latency, (Some(PassFlow::Frame(Arc::clone(&frame))), Some(PassFlow::Frame(frame))))
+                let cycles = self.begin(&frame);
+                Step::after(latency, (Some(PassFlow::Frame(Arc::clone(&frame))), Some(PassFlow::Frame(frame)))).busy(cycles)
             }
             CellFlow::Page(page) => {
                 self.state.pages.push(Arc::clone(&page));
@@ -176,6 +191,14 @@ impl ReferenceBuffer {
             }
             CellFlow::FrameEnd => self.flush(traffic),
         }
+    }
+
+    /// Clears a block without a flag.
+    fn clear(&mut self, traffic: &mut MemoryPorts) -> Step<Out> {
+        if let Some(block) = self.state.flags.take_unflagged() {
+            self.write(block, traffic);
+        }
+        Step::after(self.config.latency.into(), (None, None))
     }
 
     /// Writes a gathered block. After the last of them, the buffer is filled.
@@ -209,13 +232,15 @@ impl ReferenceBuffer {
         }
     }
 
-    /// Reads one block.
+    /// Reads one block. A block with a flag is not read, because all its cells are empty.
     #[inline]
     fn read(&mut self, block: usize, traffic: &mut MemoryPorts) -> Option<CellBlock> {
         let cells: &[ReferenceCell; BLOCK_CELLS] = self.state.cells[block * BLOCK_CELLS..].first_chunk()?;
-        let bytes = BLOCK_CELLS as u32 * self.cell_bytes;
-        traffic.read(0, block as u64 * u64::from(bytes), bytes);
-        self.state.counters.read += BLOCK_CELLS as u64;
+        if !self.state.flags.is_clear(block as u64) {
+            let bytes = BLOCK_CELLS as u32 * self.cell_bytes;
+            traffic.read(0, block as u64 * u64::from(bytes), bytes);
+            self.state.counters.read += BLOCK_CELLS as u64;
+        }
         let mask = cells.iter().enumerate().fold(0, |mask, (i, c)| mask | u16::from(c.is_drawn()) << i);
         let columns = self.state.frame.as_ref()?.width.div_ceil(BLOCK) as usize;
         let at = [(block % columns) as u16, (block / columns) as u16];
@@ -243,6 +268,7 @@ impl Unit for ReferenceBuffer {
     #[inline]
     fn demand(&self) -> Demand {
         match self.state.phase {
+            BufferPhase::Fill if self.state.flags.has_unflagged() => Demand::Nothing,
             BufferPhase::Fill => Demand::Only(0),
             BufferPhase::Wait => Demand::Only(1),
             BufferPhase::Flush | BufferPhase::Identify(_) | BufferPhase::Begin | BufferPhase::Colour(_) => Demand::Nothing,
@@ -255,7 +281,7 @@ impl Unit for ReferenceBuffer {
         match self.state.phase {
             BufferPhase::Fill => match cells {
                 Some(token) => self.fill(token, traffic),
-                None => Step::after(latency, (None, None)),
+                None => self.clear(traffic),
             },
             BufferPhase::Flush => self.flush(traffic),
             BufferPhase::Identify(block) => {
@@ -280,13 +306,13 @@ impl Unit for ReferenceBuffer {
         }
     }
 
-    /// Returns one read block, and one written block, which was evicted by a stamp's block, or at the end.
+    /// Returns one read block, and one written block: cleared, evicted by a stamp's block, or written at the end.
     fn largest_step(&self, client: usize) -> u32 {
         u32::from(client < 2)
     }
 
     fn is_empty(&self) -> bool {
-        self.state.phase == BufferPhase::Fill
+        self.state.phase == BufferPhase::Fill && !self.state.flags.has_unflagged()
     }
 
     fn twin_tables(&self) -> Vec<UnitTable> {
@@ -301,6 +327,7 @@ impl Unit for ReferenceBuffer {
         stats.figure("reference_passes", self.state.counters.passes, "passes", "Passes over the reference buffer");
         let bytes = self.state.cells.len() as u64 * u64::from(self.cell_bytes);
         stats.figure("reference_buffer_bytes", bytes, "bytes", "Memory that its cells take");
+        stats.flags("flags of clear blocks", self.flags(), self.config.flags_per_cycle);
         stats.hardware(HardwareKind::Table, "gathered blocks", self.config.write_lines, self.sizes.gathered_bits());
         stats.hardware(HardwareKind::Adder, "place and number of a block", 4_u32, 32);
         self.sizes.tell_block(stats);

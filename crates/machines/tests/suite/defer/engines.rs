@@ -3,12 +3,13 @@
 use crate::common;
 use crate::common::machine_runs::assert_rejected;
 use crate::common::settings::borrowed;
-use crate::defer::recipe::{FAST, SMALL, display_lists, meanings, timings, views};
+use crate::defer::recipe::{FAST, SMALL, display_lists, frame, meanings, object, rectangle, timings, views};
 use crate::defer::runs::{Ran, config, functional, replay, run, timed};
 use basrelief_kernel::{Engine, Outcome};
 use basrelief_machines::defer::DeferConfig;
-use basrelief_signals::Control;
+use basrelief_signals::{Control, Material};
 use proptest::prelude::*;
+use std::sync::Arc;
 
 /// Runs both engines and the functional model, asserts that they agree, and returns the timed run.
 fn agree(list: &[Control], config: &DeferConfig) -> Ran {
@@ -55,6 +56,26 @@ fn slow_path_takes_the_timed_engine_no_longer() {
     assert!((cycles..cycles + 60_000_000).contains(&slow.report.total), "{} cycles for {bytes} bytes", slow.report.total);
     let steps = |ran: &Ran| ran.report.units.iter().map(|u| u.steps).collect::<Vec<_>>();
     assert_eq!(steps(&slow), steps(&fast), "the work of the engine is the same");
+}
+
+#[test]
+fn clear_flags_reduce_traffic_of_cells_only() {
+    let plain = Arc::new(Material::default());
+    let small = rectangle([4.0, 4.0, 20.0, 12.0], 0.5, &plain);
+    let list = [frame(0), object(0), small, Control::FrameEnd];
+    let bytes = |more: &[(&str, &str)]| {
+        let ran = timed(&list, &[FAST, SMALL, more].concat());
+        let ports = ran.report.memories.iter().flat_map(|memory| &memory.ports).collect::<Vec<_>>();
+        let of =
+            |client: &str| ports.iter().filter(|p| p.client == client).map(|p| p.counts.read_bytes + p.counts.write_bytes).sum();
+        (ran.seen.finished, ["cell_read", "cell_write"].map(of))
+    };
+    let (picture, flagged): (_, [u64; 2]) = bytes(&[]);
+    let (same, written) = bytes(&[("engine.clear_flags", "false")]);
+    assert_eq!(picture, same);
+    // 8 blocks are drawn, and 40 x 30 pixels have 80. Both passes read a block.
+    assert_eq!(flagged.map(|bytes| bytes / 256), [2 * 8, 8]);
+    assert_eq!(written.map(|bytes| bytes / 256), [2 * 80, 80 + 8]);
 }
 
 // Claim: as engines_agree_on_the_hall_in_every_mode.

@@ -215,8 +215,8 @@ const TIMING: &[Axis] = &[
     ],
     &[
         &[],
-        &[("engine.write_lines", "1"), ("depth.write_lines", "64")],
-        &[("depth.write_lines", "1"), ("depth.clear_flags", "false")],
+        &[("engine.write_lines", "1"), ("depth.write_lines", "64"), ("engine.flags", "7")],
+        &[("depth.write_lines", "1"), ("depth.clear_flags", "false"), ("engine.clear_flags", "false")],
     ],
     &[
         &[FAST_PIXELS, FAST_REFRESH],

@@ -243,6 +243,19 @@ unit_contract! {
     state,
 }
 
+unit_contract! {
+    name: reference_buffer_with_few_flags,
+    unit: ReferenceBuffer::new(
+        EngineConfig { flags: 5, flags_per_cycle: 2, ..engine() },
+        RenderMode::Progressive,
+        16,
+        TableSizes::default()
+    ),
+    inputs: { let w = wires(RenderMode::Progressive); (w.cells, w.rounds) },
+    clients: [ClientKind::Port, ClientKind::Port],
+    state,
+}
+
 #[test]
 fn reference_buffer_evicts_lru_block_and_flushes_at_end() {
     let mut unit = ReferenceBuffer::new(EngineConfig { write_lines: 2, ..engine() }, RenderMode::Best, 16, TableSizes::default());

@@ -2,6 +2,7 @@
 //! filters. Also tests the unit contract.
 
 mod acquisition;
+mod clears;
 mod contract;
 mod costs;
 mod hardware;
