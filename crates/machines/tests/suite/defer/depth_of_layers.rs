@@ -54,5 +54,7 @@ fn depth_of_layers_0033_cap_on_dmax_equals_halved_textures() {
 fn depth_of_layers_0033_cap_of_dmax_or_more_changes_nothing() {
     let list = list(&texture(0, [128, 128], [WrapMode::Repeat; 2]), &texture(1, [37, 61], [WrapMode::Clamp; 2]));
     let (all, capped) = (run(&list, "best", "31"), run(&list, "best", "4"));
-    assert_eq!((all.report, &all.seen.finished, &all.seen.facts), (capped.report, &capped.seen.finished, &capped.seen.facts));
+    // The hardware differs, because the table of layers ends at the cap.
+    let figures = |ran: &Ran| ran.seen.facts.figures().cloned().collect::<Vec<_>>();
+    assert_eq!((&all.report, &all.seen.finished, figures(&all)), (&capped.report, &capped.seen.finished, figures(&capped)));
 }
