@@ -3,6 +3,8 @@
 use crate::support::{Place, workspace};
 use serde_json::Value;
 use std::fs;
+#[cfg(unix)]
+use std::process::Stdio;
 
 /// Returns the command that imports the frame of tests/opengl, without its output.
 fn import() -> String {
@@ -102,4 +104,37 @@ fn capture_without_apitrace_names_the_package() {
     let text = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(1), "{text}");
     assert!(text.starts_with("error: apitrace is not installed; install the package `apitrace`"), "{text}");
+}
+
+/// Returns a capture under a program called apitrace that prints a line and waits.
+#[cfg(unix)]
+fn endless_capture(place: &Place) -> std::process::Command {
+    use std::os::unix::fs::PermissionsExt as _;
+    fs::create_dir(place.path("bin")).unwrap();
+    let program = place.path("bin/apitrace");
+    fs::write(&program, "#!/bin/sh\necho 60 frames per second\ntouch started\nexec sleep 2\n").unwrap();
+    fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).unwrap();
+    let mut command = place.command("capture --out a.gltf -- program");
+    let path = std::env::var("PATH").unwrap_or_default();
+    command.env("PATH", format!("{}:{path}", place.path("bin").display()));
+    command
+}
+
+#[cfg(unix)]
+#[test]
+fn interrupted_capture_names_what_remains() {
+    let place = Place::new();
+    let capture = endless_capture(&place).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    while !place.path("started").exists() {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    let id = capture.id().to_string();
+    assert!(std::process::Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    let output = capture.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130));
+    assert_eq!(String::from_utf8(output.stdout).unwrap(), "", "standard output holds the text of this program only");
+    assert_eq!(
+        String::from_utf8(output.stderr).unwrap(),
+        "60 frames per second\ninterrupted; no scene was written; the .capture folder holds an unfinished trace\n"
+    );
 }

@@ -432,6 +432,26 @@ fn silent_server_does_not_delay_interrupt() {
     drop(asked);
 }
 
+/// An interrupt before the first image reports that nothing was written.
+#[cfg(unix)]
+#[test]
+fn interrupt_before_first_image_wrote_nothing() {
+    let place = Place::new();
+    let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
+    let stuck = Between::stuck(&server.1, 0);
+    let line = format!("run --from {} {SMALL} {CUT} --quiet --out many", stuck.url);
+    let mut client = place.command(&line).stderr(Stdio::piped()).spawn().expect("the program starts");
+    let began = std::time::Instant::now();
+    // The folder of the outputs follows the scene.
+    while place.names("").is_empty() {
+        assert!(began.elapsed().as_secs() < 60 && client.try_wait().expect("runs").is_none(), "no folder");
+        thread::sleep(std::time::Duration::from_millis(20));
+    }
+    interrupt(&mut client);
+    assert_eq!(last_words(&mut client), "interrupted; nothing was written\n");
+    assert!(place.names("").is_empty(), "{:?}", place.names(""));
+}
+
 /// Sends Ctrl-C and checks for its exit code.
 #[cfg(unix)]
 fn interrupt(child: &mut Child) {

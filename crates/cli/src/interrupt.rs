@@ -2,14 +2,14 @@
 
 use crate::{outputs, terminal};
 use std::process;
-use std::sync::OnceLock;
+use std::sync::{Mutex, PoisonError};
 
-/// The message of a command that differs from the general one.
-static MESSAGE: OnceLock<&str> = OnceLock::new();
+/// The message for a signal.
+static MESSAGE: Mutex<&str> = Mutex::new("interrupted; nothing was written");
 
-/// Sets the message for a signal. The first call counts; a process runs one command.
+/// Sets the message for a signal, which states the files that remain. The last call counts.
 pub fn set_message(message: &'static str) {
-    let _ = MESSAGE.set(message);
+    *MESSAGE.lock().unwrap_or_else(PoisonError::into_inner) = message;
 }
 
 /// Installs the signal handlers. If that fails, a signal still ends the process, but leaves hidden files for the next run to remove.
@@ -51,6 +51,6 @@ pub fn listen() {
 fn stop(code: i32) -> ! {
     let _no_new_files = outputs::remove_all();
     terminal::clear_progress();
-    terminal::print_note(MESSAGE.get().unwrap_or(&"interrupted; nothing was written"));
+    terminal::print_note(*MESSAGE.lock().unwrap_or_else(PoisonError::into_inner));
     process::exit(code);
 }

@@ -43,6 +43,12 @@ impl PictureComparison {
         let wrong = self.geometry.map(|geometry| geometry.coverage + geometry.depth)?;
         Some(100.0 * (1.0 - wrong as f64 / self.pixels.max(1) as f64))
     }
+
+    /// Returns the agreement with three decimals, rounded down: only complete agreement is shown as 100.
+    pub fn shown_agreement(&self) -> Option<String> {
+        // The small number keeps a product just below a whole number.
+        self.agreement().map(|percent| format!("{:.3}", (percent * 1e3 + 1e-6).floor() / 1e3))
+    }
 }
 
 /// Draws the reference image of a scene and compares it with the application's.

@@ -100,6 +100,9 @@ pub(crate) struct ImageRecord {
     pub height: u32,
     #[serde(rename = "__depth__", default = "one")]
     pub depth: u32,
+    /// Internal format, such as `GL_RGB8`.
+    #[serde(rename = "__format__", default)]
+    pub format: String,
     /// PNG or PFM in base64, possibly with line ends.
     #[serde(rename = "__data__")]
     pub data: String,

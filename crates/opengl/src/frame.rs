@@ -8,9 +8,10 @@ use crate::gltf::{self, GlObject};
 use crate::map_value::three;
 use crate::mapping::{MapKey, Mapping};
 use crate::matrix::{affine, from_normal_matrix, matrix, model_view_of, to_viewer};
+use crate::normal_space::use_normal_space;
 use crate::picture::{ApplicationPicture, application_picture};
 use crate::reader::DrawReader;
-use crate::state::{Parameters, draw_state};
+use crate::state::{COLOR_MASK, Parameters, draw_state, writes_no_color};
 use crate::surface::{GlSurface, surface};
 use crate::text::parse;
 use basrelief_input::{MemoryPool, MemoryReservation};
@@ -57,6 +58,7 @@ pub fn import(files: &[DumpFile<'_>], mapping: &Mapping, budget: &MemoryPool) ->
     let mut builder = FrameBuilder { mapping, budget, view: None, objects: Vec::new(), notes: Vec::new(), warnings: Vec::new() };
     let mut held = budget.empty_reservation();
     let (mut application, mut calls) = (None, Vec::new());
+    check_distinct(files)?;
     for (number, file) in (1..).zip(files) {
         let (dump, _dump) = parse(file.bytes, budget).map_err(|e| e.in_file(file.name))?;
         let call = dump.draw.as_ref().map(|draw| draw.call).or(number_of(file.name)).unwrap_or(number);
@@ -69,7 +71,8 @@ pub fn import(files: &[DumpFile<'_>], mapping: &Mapping, budget: &MemoryPool) ->
         }
     }
     let Some(view) = builder.view else {
-        return Err(SceneError::at("", "no draw call is given").expected("a state dump for each draw call"));
+        let what = if files.is_empty() { "no draw call is given" } else { "no given draw call writes colours" };
+        return Err(SceneError::at("", what).expected("a state dump for each draw call of the frame"));
     };
     mapping.check_calls(&calls)?;
     let filter = filter_of(&builder.objects);
@@ -77,6 +80,18 @@ pub fn import(files: &[DumpFile<'_>], mapping: &Mapping, budget: &MemoryPool) ->
     held.join(text);
     let (notes, warnings, size) = (builder.notes, builder.warnings, [view.viewport[2], view.viewport[3]]);
     Ok(GlFrame { gltf, camera: view.camera, size, application, filter, notes, warnings, _held: held })
+}
+
+/// Refuses files with equal contents, because the same triangles twice hide each other.
+fn check_distinct(files: &[DumpFile<'_>]) -> Result<(), SceneError> {
+    let earlier = |number: usize| files[..number].iter().find(|other| other.bytes == files[number].bytes);
+    match (1..files.len()).find_map(|number| Some((&files[number], earlier(number)?))) {
+        Some((file, other)) => Err(SceneError::at("", format!("has the same content as {}", other.name))
+            .expected("one dump for each draw call")
+            .cure("name each dump once")
+            .in_file(file.name)),
+        None => Ok(()),
+    }
 }
 
 /// Adds the number of the call to the place of an error.
@@ -134,6 +149,11 @@ impl FrameBuilder<'_> {
     /// Adds a draw call as an object. Returns the memory that stays.
     fn add(&mut self, dump: &GlDump, call: u64) -> Result<MemoryReservation, SceneError> {
         let mut reader = DrawReader::new(dump, call, self.mapping, self.budget);
+        if writes_no_color(dump) {
+            reader.warn(format!("is left out, because it writes no colours ({COLOR_MASK})"));
+            self.warnings.extend(reader.warnings);
+            return Ok(reader.kept);
+        }
         let (state, warnings) = draw_state(dump)?;
         warnings.iter().for_each(|text| reader.warn(text));
         let mut geometry = geometry(&mut reader)?;
@@ -142,7 +162,7 @@ impl FrameBuilder<'_> {
             geometry.mesh.indices.as_chunks_mut::<3>().0.iter_mut().for_each(|triangle| triangle.swap(1, 2));
         }
         self.use_light(&mut reader, &geometry, world);
-        let mut surface = surface(&mut reader, geometry.mesh.normals.is_some(), state.double_sided)?;
+        let mut surface = surface(&mut reader, &geometry.mesh, state.double_sided)?;
         if is_fixed(dump) {
             join_constant_color(&mut geometry.mesh, &mut surface);
         }
@@ -268,30 +288,4 @@ fn shown(vector: DVec3) -> String {
     // The sum turns -0 into 0.
     let [x, y, z] = (vector * 1e4).round().to_array().map(|number| number / 1e4 + 0.0);
     format!("{x}:{y}:{z}")
-}
-
-/// Prepares normals and tangents for the space of the normal map.
-///
-/// A map in object space is drawn as one in tangent space: with the normal +z, the tangent +x and so the bitangent +y at all vertices,
-/// tangent space is object space.
-fn use_normal_space(reader: &mut DrawReader<'_>, mesh: &mut GlMesh, surface: &GlSurface) {
-    let Some(map) = &surface.normal_map else { return };
-    let name = &map.name;
-    let in_object_space = match reader.mapped(MapKey::NormalSpace) {
-        Some(given) => given == "object",
-        None => {
-            let in_object_space = mesh.normals.is_none() && mesh.tangents.is_none();
-            let space = if in_object_space { "object" } else { "tangent" };
-            reader.note(format!("normal-space = {space} (guessed from the vertex attributes)"));
-            in_object_space
-        }
-    };
-    if in_object_space {
-        let count = mesh.positions.len();
-        mesh.normals = Some(vec![[0.0, 0.0, 1.0]; count]);
-        mesh.tangents = Some(vec![[1.0, 0.0, 0.0, 1.0]; count]);
-        reader.warn(format!("`{name}` is in object space: a device without normal maps lights the object by one normal"));
-    } else if mesh.tangents.is_none() {
-        reader.note("tangents are computed from the texture coordinates");
-    }
 }

@@ -144,7 +144,8 @@ fn program_product(reader: &mut DrawReader<'_>, names: &[String]) -> Result<Matr
             .cure("if the program is one, name matrix and position with --map mvp=NAME,position=NAME; else leave out this draw call")
     })?;
     let position = product.position.as_deref().unwrap_or_default();
-    reader.note(format!("mvp = {}, position = {position} (read from the vertex program)", product.matrices.join(" * ")));
+    let mvp = if product.matrices.is_empty() { "identity".into() } else { product.matrices.join(" * ") };
+    reader.note(format!("mvp = {mvp}, position = {position} (read from the vertex program)"));
     Ok(product)
 }
 

@@ -32,6 +32,7 @@ mod gltf;
 mod map_value;
 mod mapping;
 mod matrix;
+mod normal_space;
 mod picture;
 mod program;
 mod reader;

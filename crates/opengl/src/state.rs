@@ -60,6 +60,20 @@ const IGNORED: [(&str, &str); 11] = [
     ("GL_LIGHT_MODEL_TWO_SIDE", "two-sided lighting"),
 ];
 
+/// Parameter with a switch for each of red, green, blue and alpha.
+pub(crate) const COLOR_MASK: &str = "GL_COLOR_WRITEMASK";
+
+/// Returns the switches of red, green and blue.
+fn color_mask(parameters: &Parameters<'_>) -> [bool; 3] {
+    let mask = parameters.value(COLOR_MASK);
+    [0, 1, 2].map(|channel| mask.and_then(|mask| mask.get(channel)).is_none_or(is_on))
+}
+
+/// Returns true if a draw call writes no colour, such as one that only fills the depth buffer.
+pub(crate) fn writes_no_color(dump: &GlDump) -> bool {
+    color_mask(&Parameters(dump)) == [false; 3]
+}
+
 /// Returns the state of a draw call, and the sentences of warnings.
 pub(crate) fn draw_state(dump: &GlDump) -> Result<(DrawState, Vec<String>), SceneError> {
     let parameters = Parameters(dump);
@@ -75,7 +89,10 @@ pub(crate) fn draw_state(dump: &GlDump) -> Result<(DrawState, Vec<String>), Scen
     let clockwise = parameters.word("GL_FRONT_FACE", "GL_CCW") == "GL_CW";
     let reversed = clockwise != (culls && mode == "GL_FRONT");
     let warned = IGNORED.into_iter().filter(|(name, _)| parameters.flag(name));
-    let warnings = warned.map(|(name, what)| format!("{what} ({name}) is left out")).collect();
+    let mut warnings: Vec<String> = warned.map(|(name, what)| format!("{what} ({name}) is left out")).collect();
+    if color_mask(&parameters) != [true; 3] {
+        warnings.push(format!("the colour mask ({COLOR_MASK}) is left out: all channels are drawn"));
+    }
     Ok((DrawState { viewport, reversed, double_sided: !culls }, warnings))
 }
 
@@ -199,5 +216,14 @@ mod tests {
     #[test]
     fn blending_is_a_warning() {
         assert_eq!(state(r#", "GL_BLEND": "GL_TRUE""#).unwrap().1, ["blending (GL_BLEND) is left out"]);
+    }
+
+    #[test]
+    fn partial_color_mask_is_a_warning() {
+        let warnings = |mask: &str| state(&format!(r#", "GL_COLOR_WRITEMASK": {mask}"#)).unwrap().1;
+        let left_out = ["the colour mask (GL_COLOR_WRITEMASK) is left out: all channels are drawn"];
+        assert_eq!(warnings(r#"["GL_TRUE", "GL_FALSE", "GL_TRUE", "GL_TRUE"]"#), left_out);
+        // Devices have no alpha.
+        assert_eq!(warnings(r#"["GL_TRUE", "GL_TRUE", "GL_TRUE", "GL_FALSE"]"#), [""; 0]);
     }
 }

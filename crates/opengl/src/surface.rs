@@ -1,7 +1,9 @@
 //! Materials: textures and uniforms of a draw call become base colour, normal map and lighting coefficients.
 
-use crate::dump::ImageRecord;
+use crate::dump::{GlDump, ImageRecord};
 use crate::fixed::{self, FixedMaterial};
+use crate::geometry::GlMesh;
+use crate::map_value::NONE;
 use crate::mapping::MapKey;
 use crate::picture;
 use crate::program;
@@ -40,19 +42,19 @@ pub(crate) struct GlSurface {
     pub double_sided: bool,
 }
 
+/// Names of the textures of a draw call by purpose.
+#[derive(Default)]
+struct ChosenTextures {
+    normal: Option<String>,
+    height: Option<String>,
+    albedo: Option<String>,
+}
+
 /// Returns the material of a draw call.
-pub(crate) fn surface(reader: &mut DrawReader<'_>, has_normals: bool, double_sided: bool) -> Result<GlSurface, SceneError> {
+pub(crate) fn surface(reader: &mut DrawReader<'_>, mesh: &GlMesh, double_sided: bool) -> Result<GlSurface, SceneError> {
     let samplers = samplers(reader);
-    let has = |words: &'static [&'static str]| move |name: &str| words.iter().any(|word| name.contains(word));
-    let normal = reader.choose(MapKey::NormalMap, &samplers, has(&["normal", "bump"]))?;
-    let height = reader.choose(MapKey::HeightMap, &samplers, has(&["height", "displace", "parallax"]))?;
-    let rest: Vec<String> =
-        samplers.iter().filter(|name| ![&normal, &height].iter().any(|other| other.as_ref() == Some(name))).cloned().collect();
-    let other = |name: &str| !has(&["spec", "gloss", "rough", "metal", "occlusion", "emiss", "environment", "shadow"])(name);
-    let albedo = reader.choose(MapKey::Albedo, &rest, other)?;
-    for name in rest.iter().filter(|name| albedo.as_ref() != Some(name)) {
-        reader.warn(format!("texture `{name}` is left out"));
-    }
+    let choose = if mesh.uv.is_some() { choose_textures } else { leave_out_textures };
+    let ChosenTextures { normal, height, albedo } = choose(reader, &samplers)?;
     let normal_map = match (normal, height) {
         (Some(name), other) => {
             other.iter().for_each(|name| reader.warn(format!("texture `{name}` is left out, because there is a normal map")));
@@ -64,7 +66,7 @@ pub(crate) fn surface(reader: &mut DrawReader<'_>, has_normals: bool, double_sid
     let albedo = albedo.map(|name| texture(reader, &name)).transpose()?.flatten();
     let usual = if fixed::is_fixed(reader.dump) {
         fixed::material(reader)
-    } else if has_normals || normal_map.is_some() {
+    } else if mesh.normals.is_some() || normal_map.is_some() {
         FixedMaterial { base_color: [1.0; 3], lighting: Lighting::default() }
     } else {
         reader.note("ambient = 1, diffuse = 0, specular = 0 (guessed: no light, because there are no normals)");
@@ -72,6 +74,56 @@ pub(crate) fn surface(reader: &mut DrawReader<'_>, has_normals: bool, double_sid
     };
     let base_color = base_color(reader, usual.base_color)?;
     Ok(GlSurface { base_color, albedo, normal_map, lighting: lighting(reader, usual.lighting)?, double_sided })
+}
+
+/// Chooses textures by purpose, and warns of the rest.
+fn choose_textures(reader: &mut DrawReader<'_>, samplers: &[String]) -> Result<ChosenTextures, SceneError> {
+    let has = |words: &'static [&'static str]| move |name: &str| words.iter().any(|word| name.contains(word));
+    let normal = choose(reader, MapKey::NormalMap, samplers, has(&["normal", "bump"]))?;
+    let height = choose(reader, MapKey::HeightMap, samplers, has(&["height", "displace", "parallax"]))?;
+    let is_free = |name: &&String| ![&normal, &height].iter().any(|other| other.as_ref() == Some(name));
+    let rest: Vec<String> = samplers.iter().filter(is_free).cloned().collect();
+    let other = |name: &str| !has(&["spec", "gloss", "rough", "metal", "occlusion", "emiss", "environment", "shadow"])(name);
+    let albedo = choose(reader, MapKey::Albedo, &rest, other)?;
+    for name in rest.iter().filter(|name| albedo.as_ref() != Some(name)) {
+        let reason = if holds_depths(reader, name) { ", because it holds depths" } else { "" };
+        reader.warn(format!("texture `{name}` is left out{reason}"));
+    }
+    Ok(ChosenTextures { normal, height, albedo })
+}
+
+/// Chooses no texture, because the draw call has no texture coordinates. Warns of each.
+fn leave_out_textures(reader: &mut DrawReader<'_>, samplers: &[String]) -> Result<ChosenTextures, SceneError> {
+    for key in [MapKey::Albedo, MapKey::NormalMap, MapKey::HeightMap] {
+        // Nothing is guessed, but a mapped name must exist.
+        choose(reader, key, samplers, |_| false)?;
+    }
+    for name in samplers {
+        reader.warn(format!("texture `{name}` is left out, because the draw call has no texture coordinates"));
+    }
+    Ok(ChosenTextures::default())
+}
+
+/// Chooses a texture for a purpose. A texture of depths is no guess, and an error if it is mapped.
+fn choose(
+    reader: &mut DrawReader<'_>,
+    key: MapKey,
+    samplers: &[String],
+    guess: impl Fn(&str) -> bool,
+) -> Result<Option<String>, SceneError> {
+    let (depths, colors): (Vec<String>, Vec<String>) = samplers.iter().cloned().partition(|name| holds_depths(reader, name));
+    match reader.mapped(key).filter(|given| depths.iter().any(|name| name == given)) {
+        Some(given) => Err(SceneError::at("", format!("--map {key}={given}: the texture holds depths"))
+            .expected("a sampler of a texture with colours")
+            .cure(format!("leave it out with --map {key}={NONE}"))),
+        None => reader.choose(key, &colors, guess),
+    }
+}
+
+/// Returns true if the dump states that a texture holds depths.
+fn holds_depths(reader: &DrawReader<'_>, name: &str) -> bool {
+    let key = unit(reader.dump, name).map(texture_key);
+    key.and_then(|key| reader.dump.textures.get(&key)).is_some_and(|record| record.format.starts_with("GL_DEPTH"))
 }
 
 /// Returns the names of active two-dimensional samplers, or of the texture units of the fixed function.
@@ -125,18 +177,28 @@ fn png(image: &Image, budget: &MemoryPool, place: &str) -> Result<Vec<u8>, Scene
     written.map(|()| bytes).map_err(|e| SceneError::at(place, format!("cannot be written as PNG: {e}")))
 }
 
+/// Returns the texture unit of a sampler.
+fn unit(dump: &GlDump, name: &str) -> Option<u64> {
+    let of_fixed = || name.strip_prefix("GL_TEXTURE").filter(|_| fixed::is_fixed(dump)).and_then(|unit| unit.parse().ok());
+    dump.uniforms.get(name).and_then(Value::as_u64).or_else(of_fixed)
+}
+
+/// Returns the name of the finest level in a dump.
+fn texture_key(unit: u64) -> String {
+    format!("GL_TEXTURE{unit}, GL_TEXTURE_2D, level = 0")
+}
+
 /// The place, the finest level and the sampler of a texture.
 type TextureRecord<'a> = (String, &'a ImageRecord, GlSampler);
 
 fn record<'a>(reader: &mut DrawReader<'a>, name: &str) -> Result<Option<TextureRecord<'a>>, SceneError> {
     let dump = reader.dump;
-    let of_fixed = || name.strip_prefix("GL_TEXTURE").filter(|_| fixed::is_fixed(dump)).and_then(|unit| unit.parse().ok());
-    let unit: u64 = dump.uniforms.get(name).and_then(Value::as_u64).or_else(of_fixed).ok_or_else(|| {
+    let unit = unit(dump, name).ok_or_else(|| {
         SceneError::at(format!("/uniforms/{name}"), "is no whole number").expected("the number of a texture unit")
     })?;
-    let prefix = format!("GL_TEXTURE{unit}, GL_TEXTURE_2D, level = 0");
-    let Some((key, record)) = dump.textures.iter().find(|(key, _)| **key == prefix) else {
-        reader.warn(format!("texture `{name}` is not in the dump (`{prefix}`): drawn without it"));
+    let key = texture_key(unit);
+    let Some(record) = dump.textures.get(&key) else {
+        reader.warn(format!("texture `{name}` is not in the dump (`{key}`): drawn without it"));
         return Ok(None);
     };
     let state = dump.parameters.0.get(&format!("GL_TEXTURE{unit}")).and_then(|unit| unit.get("GL_TEXTURE_2D"));

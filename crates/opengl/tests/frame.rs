@@ -160,6 +160,89 @@ fn surface_without_normals_is_unlit() {
 }
 
 #[test]
+fn texture_without_coordinates_is_left_out() {
+    for map in ["uv=none", "uv=none,albedo=albedo,normal-map=normal_map"] {
+        let frame = changed(FILES[1], map, |_| {}).unwrap();
+        let left_out =
+            |name: &str| format!("call 466: texture `{name}` is left out, because the draw call has no texture coordinates");
+        assert_eq!(frame.warnings, [left_out("albedo"), left_out("normal_map")], "{map}");
+        assert!(!frame.notes.iter().any(|note| note.contains("albedo")), "{:?}", frame.notes);
+        let scene = scene(&frame);
+        let material = &scene.objects[0].material;
+        assert!(material.color_texture.is_none() && material.normal_map.is_none());
+        assert!(!frame.gltf.contains("baseColorTexture") && !frame.gltf.contains("normalTexture"));
+    }
+}
+
+#[test]
+fn mapped_texture_must_exist_without_coordinates_too() {
+    let text = changed(FILES[1], "uv=none,albedo=x", |_| {}).unwrap_err();
+    assert!(text.contains("--map albedo=x: the draw call has no such name"), "{text}");
+}
+
+#[test]
+fn texture_of_depths_is_never_a_guess() {
+    let depths = |map: &str| {
+        changed(FILES[1], map, |dump| {
+            let texture = &mut dump["textures"]["GL_TEXTURE0, GL_TEXTURE_2D, level = 0"];
+            texture["__format__"] = json!("GL_DEPTH_COMPONENT24");
+            texture["__data__"] = json!("UGYKMTIwIDkwCjEK");
+        })
+    };
+    let frame = depths("").unwrap();
+    assert_eq!(frame.warnings, ["call 466: texture `albedo` is left out, because it holds depths"]);
+    assert!(scene(&frame).objects[0].material.color_texture.is_none());
+    assert_eq!(
+        depths("albedo=albedo").unwrap_err(),
+        "frame.466.json: call 466: --map albedo=albedo: the texture holds depths; expected a sampler of a texture with colours; \
+         leave it out with --map albedo=none"
+    );
+}
+
+#[test]
+fn call_without_colors_is_left_out() {
+    let mut prepass = dump(FILES[0]);
+    prepass["parameters"]["GL_COLOR_WRITEMASK"] = json!(["GL_FALSE", "GL_FALSE", "GL_FALSE", "GL_TRUE"]);
+    let prepass = prepass.to_string().into_bytes();
+    let dumps = [(FILES[0], prepass.clone()), (FILES[1], bytes(FILES[1]))];
+    let frame = imported(&dumps, MAP.split(',').next().unwrap()).unwrap();
+    assert_eq!(frame.warnings, ["call 435: is left out, because it writes no colours (GL_COLOR_WRITEMASK)"]);
+    assert_eq!(scene(&frame).objects.len(), 1);
+    let text = imported(&dumps[..1], "").unwrap_err();
+    assert!(text.starts_with("no given draw call writes colours; expected"), "{text}");
+}
+
+#[test]
+fn dump_that_is_given_twice_is_an_error() {
+    let text = imported(&[(FILES[0], bytes(FILES[0])), ("again.json", bytes(FILES[0]))], "").unwrap_err();
+    assert_eq!(
+        text,
+        "again.json: has the same content as frame.435.json; expected one dump for each draw call; name each dump once"
+    );
+}
+
+#[test]
+fn position_without_matrix_has_the_identity() {
+    let frame = changed(FILES[2], "", |dump| {
+        dump["shaders"]["GL_VERTEX_SHADER"] = json!("void main() { gl_Position = vec4(position, 1.0); }");
+    });
+    let notes = frame.unwrap().notes;
+    assert_eq!(notes[0], "call 493: mvp = identity, position = position (read from the vertex program)");
+}
+
+#[test]
+fn agreement_of_almost_all_pixels_is_not_shown_as_all() {
+    let frame = whole(MAP);
+    let mut found = compared(&frame);
+    assert_eq!(found.shown_agreement().unwrap(), "100.000");
+    found.pixels = 480_000;
+    found.geometry.as_mut().unwrap().depth += 1;
+    assert_eq!(found.shown_agreement().unwrap(), "99.999");
+    found.pixels = 1_000;
+    assert_eq!(found.shown_agreement().unwrap(), "99.900");
+}
+
+#[test]
 fn object_of_another_view_is_refused() {
     let second = |change: &dyn Fn(&mut Value)| {
         let mut dump = dump(FILES[1]);

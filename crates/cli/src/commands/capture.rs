@@ -4,6 +4,7 @@ use super::import_gl::{Dump, OutputPaths, import_dumps};
 use crate::args::CaptureArgs;
 use crate::error::{CommandError, CommandResult, print};
 use crate::global::GlobalOptions;
+use crate::interrupt;
 use crate::outputs::PartialFile;
 use basrelief_input::{MemoryPool, MemoryReservation, read_to_end};
 use basrelief_opengl::{FrameCalls, StateDump, frames, with_draws};
@@ -16,7 +17,9 @@ use std::process::{Command, Stdio};
 pub fn capture(args: &CaptureArgs, global: &GlobalOptions) -> CommandResult {
     OutputPaths::new(&args.scene.out)?;
     let folder = CaptureFolder::create(&args.scene.out)?;
+    interrupt::set_message("interrupted; no scene was written; the .capture folder holds an unfinished trace");
     folder.record(args)?;
+    interrupt::set_message("interrupted; no scene was written; the .capture folder holds the trace");
     let (text, _text) = folder.dump(&[], &global.budget)?;
     let frame = chosen(&frames(&text), args)?;
     let draws = draws_of(&frame, &args.calls)?;
@@ -98,7 +101,8 @@ impl CaptureFolder {
         let trace = self.path.join("trace");
         let _ = fs::remove_file(&trace);
         let mut command = Command::new("apitrace");
-        command.args(["trace", "--api", &args.api, "--output"]).arg(&trace).args(&args.program).stdout(Stdio::null());
+        // Standard output is reserved for this program.
+        command.args(["trace", "--api", &args.api, "--output"]).arg(&trace).args(&args.program).stdout(io::stderr());
         command.status().map_err(not_started)?;
         if trace.is_file() {
             return Ok(());

@@ -79,13 +79,17 @@ pub fn run_from(url: &str, args: &RunArgs, global: &GlobalOptions) -> CommandRes
     let fetcher = Fetcher::new(url, retry, budget);
     let (scene, hashes) = scene_of(&fetcher, &fetch, &look.view, &shown, budget)?;
     let cache = args.tile_cache.as_deref().map(|folder| open_cache(folder, url)).transpose()?;
-    interrupt::set_message(match cache {
-        Some(_) => "interrupted; only the images shown so far and the tiles in --tile-cache were written",
-        None => "interrupted; only the images shown so far were written",
-    });
+    let has_cache = cache.is_some();
+    if has_cache {
+        interrupt::set_message("interrupted; only tiles in --tile-cache were written");
+    }
     let failed = Arc::new(OnceLock::new());
     let kept = cache.map(|cache| TileStore { cache, failed: Arc::clone(&failed) });
-    let real = Some(RealTimes::new(fetcher.metrics().clone(), shown.clone()));
+    let interrupted = match has_cache {
+        true => "interrupted; only the images shown so far and the tiles in --tile-cache were written",
+        false => "interrupted; only the images shown so far were written",
+    };
+    let real = RealTimes::new(fetcher.metrics().clone(), shown.clone(), interrupted);
     let (tiles, watched) = (Box::new(RemoteTiles::new(fetcher, fetch, hashes, kept, Arc::new(shown))), LivePreview::default());
     let tiles = match config.preview().filter(|_| args.simulation.watch.is_some()) {
         Some(preview) => Box::new(PreviewedTiles::new(tiles, watched.clone(), preview)),
@@ -93,7 +97,7 @@ pub fn run_from(url: &str, args: &RunArgs, global: &GlobalOptions) -> CommandRes
     };
     let input = RunInput::Remote { scene, tiles, name: url.into() };
     let progress = InputProgress { bar: Progress::new(None, "commands", true), read: None };
-    let done = simulation.run(RunSource { input, progress, real, watched }, None);
+    let done = simulation.run(RunSource { input, progress, real: Some(real), watched }, None);
     if let (Some(why), Some(folder), false) = (failed.get(), &args.tile_cache, global.quiet) {
         terminal::print_note(&format!(
             "warning: --tile-cache {}: cannot be written: {why}; some tiles are not cached",

@@ -141,10 +141,10 @@ fn summary(frame: &GlFrame, found: Option<&PictureComparison>, paths: &OutputPat
             "Application's picture against the reference image: PSNR {:.2} dB, FLIP {:.4}, largest difference {}",
             quality.psnr_db, quality.flip, found.largest
         );
-        let _ = match (found.agreement(), found.geometry) {
+        let _ = match (found.shown_agreement(), found.geometry) {
             (Some(percent), Some(geometry)) => writeln!(
                 text,
-                "Geometry agrees on {percent:.3} % of {} pixels: {} differ in coverage, {} in depth",
+                "Geometry agrees on {percent} % of {} pixels: {} differ in coverage, {} in depth",
                 thousands(found.pixels),
                 thousands(geometry.coverage),
                 thousands(geometry.depth)
@@ -162,10 +162,12 @@ fn summary(frame: &GlFrame, found: Option<&PictureComparison>, paths: &OutputPat
 
 fn check_agreement(least: Option<f64>, found: Option<&PictureComparison>) -> CommandResult {
     let Some(least) = least else { return Ok(()) };
-    match found.and_then(PictureComparison::agreement) {
-        Some(percent) if percent >= least => Ok(()),
+    if found.and_then(PictureComparison::agreement).is_some_and(|percent| percent >= least) {
+        return Ok(());
+    }
+    match found.and_then(PictureComparison::shown_agreement) {
         Some(percent) => {
-            Err(CommandError::BadInput(format!("--agree {least}: geometry agrees on {percent:.3} % of the pixels only")))
+            Err(CommandError::BadInput(format!("--agree {least}: geometry agrees on {percent} % of the pixels only")))
         }
         None => Err(CommandError::BadInput(format!("--agree {least}: the dump has no picture with depth"))),
     }

@@ -8,6 +8,7 @@ use super::reporting::publish_report;
 use super::requests::RequestsFile;
 use crate::args::SimulationArgs;
 use crate::error::{CommandError, CommandResult};
+use crate::interrupt;
 use crate::outputs::{OutputFolder, PartialFile, earlier_files};
 use crate::progress::InputProgress;
 use basrelief_reference::metrics;
@@ -88,9 +89,10 @@ impl Observer for OutputFiles {
                 self.write(name, png)?;
                 self.extra.push(name.clone());
                 if exhibit.info.form == AuxForm::PicturePerRound {
-                    if self.real.is_some() {
+                    if let Some(real) = &self.real {
                         let failed = |e| format!("{}: cannot be written: {e}", self.outputs.place(name).display());
                         self.outputs.show(name, earlier_files).map_err(failed)?;
+                        interrupt::set_message(real.interrupted);
                     }
                     self.shown = Some((exhibit.frame, name.clone()));
                 }

@@ -11,12 +11,14 @@ pub struct RealTimes {
     progress: TileProgress,
     /// Frame and time of each image.
     shown: Vec<(u32, Elapsed)>,
+    /// Message for a signal after the first image.
+    pub interrupted: &'static str,
 }
 
 impl RealTimes {
     /// Records times of these transfer metrics, and reports each image on this progress bar.
-    pub fn new(meter: TransferMetrics, progress: TileProgress) -> Self {
-        Self { meter, progress, shown: vec![] }
+    pub const fn new(meter: TransferMetrics, progress: TileProgress, interrupted: &'static str) -> Self {
+        Self { meter, progress, shown: vec![], interrupted }
     }
 
     /// Records an image.
