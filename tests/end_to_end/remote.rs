@@ -64,10 +64,11 @@ impl Drop for Server {
     }
 }
 
-/// Proxy between client and server that counts the forwarded tiles.
+/// Proxy between client and server that counts the forwarded tiles, and the bytes of answers.
 struct Between {
     url: String,
     tiles: Arc<AtomicU64>,
+    bytes: Arc<AtomicU64>,
     most: Arc<AtomicU64>,
 }
 
@@ -91,13 +92,16 @@ impl Between {
         let own = format!("http://{}/", listener.local_addr().expect("an address"));
         let (tiles, most) = (Arc::new(AtomicU64::new(0)), Arc::new(AtomicU64::new(most)));
         let (passed, limit) = (Arc::clone(&tiles), Arc::clone(&most));
+        let bytes = Arc::new(AtomicU64::new(0));
+        let sent = Arc::clone(&bytes);
         thread::spawn(move || {
             for stream in listener.incoming().flatten() {
                 let (server, passed, limit) = (server.clone(), Arc::clone(&passed), Arc::clone(&limit));
-                thread::spawn(move || pass(stream, &server, (&passed, limit.load(Ordering::SeqCst)), late));
+                let sent = Arc::clone(&sent);
+                thread::spawn(move || pass(stream, &server, (&passed, limit.load(Ordering::SeqCst)), &sent, late));
             }
         });
-        Self { url: own, tiles, most }
+        Self { url: own, tiles, bytes, most }
     }
 
     /// Forwards all tiles from now on, and counts them from 0.
@@ -112,7 +116,7 @@ impl Between {
 }
 
 /// Forwards one request, and its answer. Beyond `most` tiles it calls `late` and then closes the connection.
-fn pass(mut client: TcpStream, server: &str, (passed, most): (&AtomicU64, u64), late: fn(&mut TcpStream)) {
+fn pass(mut client: TcpStream, server: &str, (passed, most): (&AtomicU64, u64), sent: &AtomicU64, late: fn(&mut TcpStream)) {
     let mut lines = BufReader::new(client.try_clone().expect("a stream")).lines().map_while(Result::ok);
     let Some(first) = lines.next() else { return };
     while lines.next().is_some_and(|line| !line.is_empty()) {}
@@ -128,6 +132,7 @@ fn pass(mut client: TcpStream, server: &str, (passed, most): (&AtomicU64, u64), 
     let head = answer.windows(2).position(|w| w == b"\r\n").expect("a status line");
     // This header keeps the client from sending another request on this connection.
     answer.splice(head..head, *b"\r\nConnection: close");
+    sent.fetch_add(answer.len() as u64, Ordering::SeqCst);
     // The client may have given up and closed the connection.
     let _ = client.write_all(&answer);
 }
@@ -278,6 +283,23 @@ fn report_has_traffic_and_image_times_of_real_path() {
     assert_eq!(times[0], first);
     place.ok(&format!("demo gallery {SMALL} {run} --out file"));
     assert!(place.report("file")["host"].get("path").is_none());
+}
+
+#[test]
+fn byte_figures_of_real_path_sum_to_all_received_bytes() {
+    let place = Place::new();
+    let server = Server::start(&place, "serve demo:gallery --listen 127.0.0.1:0");
+    let proxy = Between::new(&server.1, u64::MAX);
+    let run = place.ok(&format!("run --from {} {SMALL} {CUT} --out remote", proxy.url));
+    let report = place.report("remote");
+    let count = |name: &str| report["host"]["path"][name].as_u64().unwrap_or_else(|| panic!("{name}"));
+    assert!(count("hash_bytes") > 0);
+    let all: u64 = ["scene_bytes", "tile_bytes", "hash_bytes", "head_bytes"].map(count).iter().sum();
+    assert_eq!(all, proxy.bytes.load(Ordering::SeqCst));
+    let shown =
+        format!("{} bytes of tile hashes, {} bytes of headers and unused responses.", count("hash_bytes"), count("head_bytes"));
+    // Lines are wrapped.
+    assert!(run.out.split_whitespace().collect::<Vec<_>>().join(" ").contains(&shown), "{}", run.out);
 }
 
 /// On a slow path, each picture is written when it is complete, and not all of them at the end.

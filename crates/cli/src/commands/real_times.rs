@@ -47,6 +47,7 @@ impl RealTimes {
             scene_bytes: counted.scene,
             tiles: counted.tiles,
             tile_bytes: counted.tile_bytes,
+            hash_bytes: counted.other,
             abandoned_tiles: counted.abandoned,
             head_bytes: counted.received.saturating_sub(counted.scene + counted.tile_bytes + counted.other),
         }

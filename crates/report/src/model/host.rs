@@ -26,7 +26,7 @@ pub struct Host {
 pub struct RealPath {
     /// Time from the request for the scene to the first picture \[ms\].
     pub first_picture_ms: f64,
-    /// Time from the first picture to the last picture of the first frame \[ms\].
+    /// Time from the request for the scene to the last picture of the first frame \[ms\].
     pub final_picture_ms: f64,
     /// Time to each picture from the end of the frame before \[ms\].
     pub picture_ms: Vec<f64>,
@@ -48,8 +48,11 @@ pub struct RealPath {
     pub tiles: u64,
     /// Bytes of the received tiles.
     pub tile_bytes: u64,
+    /// Received bytes of lists of tile hashes.
+    #[serde(default)]
+    pub hash_bytes: u64,
     /// Tiles that were never requested because their view ended.
     pub abandoned_tiles: u64,
-    /// Received bytes of headers and of unused responses.
+    /// Received bytes of headers and of unused responses. With the bytes of scene, tiles and hashes, all received bytes.
     pub head_bytes: u64,
 }

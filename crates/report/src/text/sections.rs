@@ -337,15 +337,15 @@ fn real_path(report: &Report, path: &RealPath) -> String {
     };
     let first = time("first_picture_ms", path.first_picture_ms, path.first_picture_idle_ms);
     let last = time("final_picture_ms", path.final_picture_ms, path.final_picture_idle_ms);
-    let RealPath { connections, requests, request_bytes, scene_bytes, tiles, tile_bytes, head_bytes, abandoned_tiles, .. } = path;
-    let abandoned = match abandoned_tiles {
+    let RealPath { connections, requests, request_bytes, scene_bytes, tiles, tile_bytes, hash_bytes, head_bytes, .. } = path;
+    let abandoned = match path.abandoned_tiles {
         0 => String::new(),
         n => format!(" {n} tiles were dropped when their view ended."),
     };
     format!(
         "Real path: the first image arrived after {first}, the final image of its frame after {last}. Sent: {requests} requests \
          ({request_bytes} bytes) on {connections} connections. Received: {scene_bytes} bytes of the scene, {tile_bytes} bytes of \
-         {tiles} tiles, {head_bytes} bytes of headers.{abandoned}"
+         {tiles} tiles, {hash_bytes} bytes of tile hashes, {head_bytes} bytes of headers and unused responses.{abandoned}"
     )
 }
 

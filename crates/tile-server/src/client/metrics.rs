@@ -65,7 +65,7 @@ pub enum BodyKind {
     Scene,
     /// A tile.
     Tile,
-    /// A number.
+    /// A list of hashes, or a number.
     Other,
 }
 
