@@ -132,6 +132,7 @@ fn bad_shade_values_are_named() {
         ("--set host.buffers=2 --set fifo.finished.depth=1", 2, "`fifo.finished.depth`: is 1, but 2 polygons"),
         ("--set cache.depth.line_bytes=48", 2, "--set: `cache.depth.line_bytes`: is 48, expected a power of two"),
         ("--machine bump --set shade.mode=normal", 2, "`shade.mode` is a parameter of machine `shade`"),
+        ("--set machine=bump", 2, "`machine` is no parameter; to choose the machine, use --machine NAME"),
         ("--machine lathe", 2, ""),
     ] {
         let outcome = place.run(&format!("demo ellipsoid@1 --size 16x12 {settings}"));
@@ -140,6 +141,9 @@ fn bad_shade_values_are_named() {
     fs::write(place.path("c.toml"), "[shortcut.flatness]\nenable = false\n").expect("written");
     let outcome = place.run("demo ellipsoid --config c.toml");
     assert!(outcome.error(1).contains("did you mean `shortcut.flatness.enabled`"), "{}", outcome.err);
+    fs::write(place.path("c.toml"), "machine = \"bump\"\n").expect("written");
+    let outcome = place.run("demo ellipsoid --config c.toml");
+    assert!(outcome.error(1).contains("c.toml: line 1: `machine` is no parameter; to choose"), "{}", outcome.err);
     fs::write(place.path("c.toml"), "[replacement]\nentries = 64\n").expect("written");
     let outcome = place.run("demo ellipsoid --config c.toml");
     assert!(outcome.error(1).contains("c.toml: line 1: `replacement` is a parameter of machine `bump`"), "{}", outcome.err);

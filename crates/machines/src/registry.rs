@@ -305,6 +305,9 @@ impl MachineInfo {
     /// returns the cure: how the user chooses the machine of this name.
     pub fn explain(&self, error: &ConfigError, choice: impl Fn(&str) -> String) -> String {
         let ConfigError::Unknown { key, .. } = error else { return error.to_string() };
+        if key == "machine" {
+            return format!("`{key}` is no parameter; to choose the machine, {}", choice("NAME"));
+        }
         let group = format!("{key}.");
         if let Some(first) = self.parameters().iter().find(|p| p.key.starts_with(&group)) {
             return format!("`{key}` is a group of parameters; set one of them, such as `{}`", first.key);

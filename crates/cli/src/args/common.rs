@@ -1,7 +1,7 @@
 //! Arguments that several commands share.
 
 use super::values::{
-    TableSelection, angles, direction, finite, key_value, machine, output_file, size, socket, tables, whole, zoom,
+    TableSelection, angles, direction, finite, key_value, machine, output_file, size, socket, tables, wave_file, whole, zoom,
 };
 use crate::commands::dump;
 use basrelief_report::TableGroup;
@@ -167,7 +167,7 @@ pub struct SimulationArgs {
     pub timeline: Option<PathBuf>,
     /// Write waveforms of all units and FIFOs as an FST file (open in GTKWave or Surfer). They stay in memory until the end of the run,
     /// within --memory-limit.
-    #[arg(long, value_name = "FILE", value_parser = output_file(), group = "time_line")]
+    #[arg(long, value_name = "FILE", value_parser = wave_file(), group = "time_line")]
     pub waves: Option<PathBuf>,
     /// Write the path of single tokens from unit to unit as a Kanata file (open in Konata): `.kanata`, or `.kanata.zst` compressed. A
     /// token that a test removes appears as flushed. The paths stay in memory until the end of the run, within --memory-limit.

@@ -123,6 +123,16 @@ mod tests {
     }
 
     #[test]
+    fn wave_file_of_another_format_is_refused() {
+        let parse = |path| command().try_get_matches_from(["basrelief", "demo", "--waves", path]);
+        let error = parse("run.vcd").unwrap_err().to_string();
+        assert!(error.contains("expected a name that ends in .fst, the format that is written"), "{error}");
+        for path in ["run.fst", "RUN.FST", "run", "/dev/null"] {
+            assert!(parse(path).is_ok(), "{path}");
+        }
+    }
+
+    #[test]
     fn negative_number_belongs_to_the_option_before_it() {
         for line in ["demo --frames -1", "demo --max-cycles -5", "demo --memory-limit -1"] {
             let words = ["basrelief"].into_iter().chain(line.split(' '));

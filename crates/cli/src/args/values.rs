@@ -46,6 +46,16 @@ pub fn output_file() -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(|path| not_stdout(&path).map(|()| path.clone()))
 }
 
+/// The path of waveforms. The ending of another format is an error.
+pub fn wave_file() -> impl TypedValueParser<Value = PathBuf> {
+    output_file().try_map(|path: PathBuf| match path.extension() {
+        Some(ending) if !ending.eq_ignore_ascii_case("fst") => {
+            Err("expected a name that ends in .fst, the format that is written")
+        }
+        _ => Ok(path),
+    })
+}
+
 /// The address of a server.
 pub fn http(url: &str) -> Result<String, String> {
     let expected = "expected http://ADDRESS:PORT/";

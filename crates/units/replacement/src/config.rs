@@ -23,9 +23,9 @@ pub enum TablePolicy {
 #[serde(untagged, expecting = "expected a whole number, or a list of them")]
 pub enum PerLevel {
     /// The same number at every level.
-    One(u32),
+    One(#[schemars(range(min = 1, max = MAX_ENTRIES))] u32),
     /// Numbers from level 0 (finest) on.
-    Levels(Vec<u32>),
+    Levels(#[schemars(length(min = 1, max = LEVELS), inner(range(min = 1, max = MAX_ENTRIES)))] Vec<u32>),
 }
 
 impl PerLevel {
@@ -181,6 +181,16 @@ mod tests {
         // A product, two sums, six levels over 64 lanes, and two over four rows.
         assert_eq!(config.latency(256, &whole), 10 + 2 + 6 + 2);
         assert_eq!([1, 2, 64, 65].map(|entries| config.latency(entries, &whole)), [12, 13, 18, 19]);
+    }
+
+    #[test]
+    fn schema_of_entries_has_the_accepted_range() {
+        let schema = schemars::schema_for!(PerLevel).to_value();
+        let [one, levels] = [0, 1].map(|n| &schema["anyOf"][n]);
+        for number in [one, &levels["items"]] {
+            assert_eq!((number["minimum"].as_u64(), number["maximum"].as_u64()), (Some(1), Some(65_536)), "{schema}");
+        }
+        assert_eq!((levels["minItems"].as_u64(), levels["maxItems"].as_u64()), (Some(1), Some(8)), "{schema}");
     }
 
     #[test]
