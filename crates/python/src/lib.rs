@@ -38,7 +38,7 @@ mod _basrelief {
     #[pymodule_export]
     use crate::page::{page, part, read_report, text};
     #[pymodule_export]
-    use crate::pixels::{difference, png};
+    use crate::pixels::{difference, png, read_png};
     #[pymodule_export]
     use crate::recording::resimulate;
     #[pymodule_export]

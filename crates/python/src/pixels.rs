@@ -1,11 +1,15 @@
 //! Conversion of pictures from and to Python.
 
-use crate::error::{CommandError, CommandResult, PythonResult};
+use crate::error::{CommandError, CommandResult, PythonResult, budget};
+use basrelief_input::{MemoryPool, read_to_end};
 use basrelief_reference::{RgbPicture, metrics};
+use basrelief_scene::decode_picture;
 use basrelief_sim::to_png;
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::PyBytes;
 use pyo3::{Bound, FromPyObject, IntoPyObject, Python, pyfunction};
+use std::fs::File;
+use std::path::PathBuf;
 
 /// A picture for Python: width, height, and RGBA bytes with the top row first.
 #[derive(IntoPyObject)]
@@ -43,6 +47,19 @@ impl GivenPixels {
 pub fn png<'py>(py: Python<'py>, pixels: GivenPixels) -> PythonResult<Bound<'py, PyBytes>> {
     let png = py.detach(|| to_png(&pixels.picture()?).map_err(CommandError::bad_input))?;
     Ok(PyBytes::new(py, &png))
+}
+
+/// Reads a PNG file.
+#[pyfunction]
+pub fn read_png(py: Python<'_>, path: PathBuf) -> PythonResult<Pixels<'_>> {
+    let (image, _held) = py.detach(|| {
+        let budget = budget(MemoryPool::DEFAULT);
+        let file = File::open(&path).map_err(CommandError::at_file(&path, "be read"))?;
+        let bytes = read_to_end(&mut &file, 0, &budget, "a picture file");
+        let (bytes, _file) = bytes.map_err(CommandError::at_file(&path, "be read"))?;
+        decode_picture(&bytes, &path.display().to_string(), &budget).map_err(CommandError::bad_input)
+    })?;
+    Ok(Pixels(image.width, image.height, PyBytes::new(py, image.texels.as_flattened())))
 }
 
 /// Returns the difference image of a picture and the reference image.

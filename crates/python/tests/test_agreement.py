@@ -117,6 +117,7 @@ def test_a_page_a_text_and_a_comparison_are_those_of_the_program(program: Progra
         assert set(str(result).splitlines()) <= set(done.stdout.splitlines())
         loaded = basrelief.load(out)
         assert loaded.report == result.report
+        assert (loaded.image, loaded.reference) == (result.image, result.reference)
         assert loaded.recording.resimulate(bottlenecks=True).report == result.report
     done = program("compare", tmp_path / "16", tmp_path / "64", "--json")
     expected = json.loads(done.stdout)

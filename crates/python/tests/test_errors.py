@@ -119,7 +119,9 @@ def test_wrong_arguments_are_named_with_their_expectation(tmp_path: Path, monkey
     machine: Any = Machine("bump")
     demo: Any = basrelief.demo
     scene = demo("golf-ball", size=(16, 12))
-    recording: Any = machine.run(scene, exact=False).recording
+    ran = machine.run(scene, exact=False)
+    recording: Any = ran.recording
+    image: Any = ran.image
     opened: Any = basrelief.scene
     wrong: list[tuple[str, Callable[[], Any]]] = [
         ("scene: 'golf-ball'; expected the result of basrelief.demo", lambda: machine.run("golf-ball")),
@@ -128,6 +130,15 @@ def test_wrong_arguments_are_named_with_their_expectation(tmp_path: Path, monkey
         ("name: 7; expected a string", lambda: Machine(7)),  # type: ignore[arg-type]
         ("name: None; expected a string", lambda: demo(None)),
         ("config: 7; expected a path", lambda: Machine("bump", 7)),  # type: ignore[arg-type]
+        ("given: 3; expected a mapping from keys to values", lambda: machine.set(3)),
+        ("given: {3: 4}; expected a mapping", lambda: machine.set({3: 4})),
+        ("given: 7; expected a mapping", lambda: recording.resimulate(7)),
+        ("other: 'x'; expected a Result", lambda: recording.resimulate().compare("x")),
+        ("names: ('A',); expected two strings", lambda: recording.resimulate().compare(recording.resimulate(), ("A",))),
+        ("client: 42; expected a client of Dask distributed", lambda: basrelief.sweep("plan.toml", 42)),
+        ("`clock.hz`: [1]; expected a number, a boolean, a string or a list", lambda: machine.set({"clock.hz": [[1]]})),
+        ("path: 'a.jpg'; expected a name that ends in .png, the format that is written", lambda: image.save("a.jpg")),
+        ("waves: 'x.vcd'; expected a name that ends in .fst, the format", lambda: machine.run(scene, waves="x.vcd")),
         ("path: 7; expected a path", lambda: opened(7)),
         ("camera: 7; expected a path", lambda: opened("a.glb", camera=7)),
         ("size: '64x48'; expected width and height", lambda: demo("golf-ball", size="64x48")),

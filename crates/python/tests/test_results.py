@@ -40,8 +40,9 @@ def test_tables_are_frames_of_pandas_and_polars(result: Result) -> None:
         table: Table = getattr(result, name)
         rows = len(table.rows())
         assert rows > 0 and all(len(column) == rows for column in table.values()), name
+        assert table.frame("polars").shape == (rows, len(table))
         if name != "figures":  # The values of `figures` are numbers, texts and lists.
-            assert polars.DataFrame(table).shape == (rows, len(table)) == table.frame("polars").shape
+            assert polars.DataFrame(table).shape == (rows, len(table))
         if name in texts:
             kinds = table.frame().dtypes.items()
             assert all(is_numeric_dtype(kind) for column, kind in kinds if column not in texts[name]), name
@@ -55,6 +56,30 @@ def test_tables_are_frames_of_pandas_and_polars(result: Result) -> None:
         for memory in result.report["memories"].values()
         for client in memory["clients"].values()
     )
+
+
+def test_every_table_is_a_frame_of_polars() -> None:
+    scene = basrelief.demo("golf-ball", size=(16, 12))
+    machine, texel = Machine("bump"), Machine("texel")
+    result = machine.run(scene, sensitivity=True, bottlenecks=True, recording=True)
+    other = machine.set({"replacement.lanes": 1}).run(scene, recording=True)
+    tables = {name: getattr(result, name) for name in ("units", "fifos", "memories", "caches", "bottlenecks", "ladder", "figures")}
+    tables |= {"sensitivity": result.sensitivity, "changes": result.compare(other).changes, "demos": basrelief.demos()}
+    tables |= {f"{name}.describe": Machine(name).describe() for name in basrelief.machines()}
+    tables |= {"ablate": Machine("shade").ablate(scene), "methods": texel.compare_methods(scene)}
+    for name, table in tables.items():
+        frame = table.frame("polars")
+        assert frame.shape == (len(table.rows()), len(table)) == table.frame().shape, name
+    assert machine.describe().frame("polars")["value"].dtype == polars.String
+    assert result.units.frame("polars")["busy"].dtype == polars.Int64
+    assert Table({"a": [1, 2.5, None]}).frame("polars")["a"].to_list() == [1.0, 2.5, None]
+    assert Table({"a": [1, "x", None, [2]]}).frame("polars")["a"].to_list() == ["1", "x", None, "[2]"]
+
+
+def test_arrays_of_numpy_are_parameters() -> None:
+    machine, key = Machine("defer", **{"defer.mode": "progressive"}), "defer.left_at_ms"
+    assert machine.set({key: numpy.array([1.0, 2.0])}) == machine.set({key: [1.0, 2.0]})
+    assert Machine("bump", **{"replacement.lanes": numpy.int64(2)}) == Machine("bump", **{"replacement.lanes": 2})
 
 
 def test_data_libraries_are_loaded_on_demand() -> None:
@@ -100,6 +125,28 @@ def test_files_are_written_whole_or_not_at_all(result: Result, tmp_path: Path) -
     plain = tmp_path / "plain"
     plain.touch()
     assert (tmp_path / "image.png").stat().st_mode == plain.stat().st_mode
+
+
+def test_loaded_result_has_the_saved_images(result: Result, tmp_path: Path) -> None:
+    result.save(tmp_path / "a")
+    loaded = basrelief.load(tmp_path / "a")
+    assert (loaded.image, loaded.reference, loaded.difference) == (result.image, result.reference, result.difference)
+    loaded.save(tmp_path / "b")
+    files = {path.name: path.read_bytes() for path in (tmp_path / "a").iterdir()}
+    assert files == {path.name: path.read_bytes() for path in (tmp_path / "b").iterdir()} and "difference.png" in files
+    # Saved runs of several frames have the images of the last frame.
+    several = Machine("bump").run(basrelief.demo("golf-ball", size=(16, 12), frames=2, orbit=30))
+    several.save(tmp_path / "several")
+    assert basrelief.load(tmp_path / "several").image == several.image
+    several.image.save(tmp_path / "a" / "image.png")
+    with pytest.raises(InputError, match=r"image\.png: is not the image of report\.json beside it; remove the file"):
+        basrelief.load(tmp_path / "a")
+    (tmp_path / "a" / "image.png").write_bytes(b"none")
+    with pytest.raises(InputError, match=r"image\.png: neither PNG nor JPEG"):
+        basrelief.load(tmp_path / "a")
+    (tmp_path / "a" / "image.png").unlink()
+    with pytest.raises(basrelief.Error, match="a loaded folder may lack it"):
+        basrelief.load(tmp_path / "a").image
 
 
 def test_pickled_objects_are_restored(result: Result) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import operator
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from ._basrelief import DisplayList, Scene, UsageError
@@ -56,6 +56,23 @@ def path(name: str, value: Any) -> str:
     if isinstance(value, (str, os.PathLike)):
         return os.fsdecode(value)
     raise wrong(name, value, "a path")
+
+
+def path_of_format(name: str, value: Any, ending: str) -> str:
+    """Returns the path of a file in the only format that is written. The ending of another format is an error."""
+    file = path(name, value)
+    if os.path.splitext(file)[1].lower() not in ("", ending):
+        raise wrong(name, file, f"a name that ends in {ending}, the format that is written")
+    return file
+
+
+def parameters(value: Any) -> Mapping[str, Any]:
+    """Returns parameters by key. `None` stands for no parameters."""
+    if value is None:
+        return {}
+    if isinstance(value, Mapping) and all(isinstance(key, str) for key in value):
+        return value
+    raise wrong("given", value, "a mapping from keys to values, for example {'clock.hz': 1e8}")
 
 
 def word(name: str, value: Any) -> str:

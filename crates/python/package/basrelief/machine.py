@@ -35,7 +35,7 @@ class Machine:
     # Positional only, because a type checker would let any key of `**parameters` match a named argument.
     def __init__(self, name: str, config: FilePath | Mapping[str, Any] | None = None, /, **parameters: Any) -> None:
         if config is None or isinstance(config, Mapping):
-            self._make(name, ("", ""), settings(config or {}, parameters))
+            self._make(name, ("", ""), settings(config, parameters))
         else:
             file = arguments.path("config", config)
             self._make(name, (file, _basrelief.read_text(file)), settings({}, parameters))
@@ -53,7 +53,7 @@ class Machine:
     def set(self, given: Mapping[str, Any] | None = None, /, **parameters: Any) -> Machine:
         """Returns a copy of this machine with these parameters changed."""
         name, file, before = self._made
-        more = settings(given or {}, parameters)
+        more = settings(given, parameters)
         return _made(name, file, list({**dict(before), **dict(more)}.items()))
 
     def describe(self) -> Table:
@@ -119,7 +119,7 @@ class Machine:
         options["sensitivity"] = arguments.truth("sensitivity", sensitivity)
         options["outputs"] = {
             "timeline": optional_path("timeline", timeline),
-            "waves": optional_path("waves", waves),
+            "waves": None if waves is None else arguments.path_of_format("waves", waves, ".fst"),
             "tokens": optional_path("tokens", tokens),
             "tokens_every": arguments.whole("tokens_every", tokens_every, least=1),
             "tokens_of": arguments.word("tokens_of", tokens_of),

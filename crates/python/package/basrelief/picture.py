@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from hashlib import sha256
 from typing import Any
 
-from . import _basrelief
+from . import _basrelief, arguments
 from .files import FilePath, write
 
 
@@ -39,8 +40,16 @@ class Picture:
         return _basrelief.png(self._pixels)
 
     def save(self, path: FilePath) -> None:
-        """Writes the image as a PNG file, with the same bytes as the command line."""
-        write(path, self.png())
+        """Writes the image as a PNG file, with the same bytes as the command line. Raises `UsageError` for the name of another format."""
+        write(arguments.path_of_format("path", path, ".png"), self.png())
+
+    def _sha256(self) -> str:
+        """Returns the hash of the colours, as in a report."""
+        _, _, rgba = self._pixels
+        rgb = bytearray(len(rgba) // 4 * 3)
+        for channel in range(3):
+            rgb[channel::3] = rgba[channel::4]
+        return sha256(rgb).hexdigest()
 
     def _repr_png_(self) -> bytes:
         return self.png()

@@ -66,7 +66,7 @@ class Recording:
         """
         analysed = None if bottlenecks is None else arguments.truth("bottlenecks", bottlenecks)
         limit = None if memory_limit is None else arguments.whole("memory_limit", memory_limit)
-        changes = settings(given or {}, parameters)
+        changes = settings(given, parameters)
         ran = _basrelief.resimulate(self._bytes, changes, (analysed, arguments.truth("recording", recording)), limit)
         result = result_of(ran)
         if result._recording is None:
@@ -213,14 +213,14 @@ class Result:
     def image(self) -> Picture:
         """Image of the last frame."""
         if self._image is None:
-            raise Error("there is no image: a resimulation draws none, and this run may have stopped before its first frame")
+            raise Error("there is no image: a resimulation draws none, a loaded folder may lack it, or the run stopped before its first frame")
         return self._image
 
     @property
     def reference(self) -> Picture:
         """Reference image of the last frame."""
         if self._reference is None:
-            raise Error("there is no reference image; run(exact=True) computes it")
+            raise Error("there is no reference image; run(exact=True) computes it, and load(folder) reads that of a saved run")
         return self._reference
 
     @property
@@ -252,7 +252,12 @@ class Result:
 
     def compare(self, other: Result, names: tuple[str, str] = ("A", "B")) -> Comparison:
         """Compares this run with another. If both have recordings, the causes of the cycle difference are measured."""
-        return Comparison(self._side(names[0]), other._side(names[1]))
+        if not isinstance(other, Result):
+            raise arguments.wrong("other", other, "a Result")
+        sides = arguments.words("names", names)
+        if len(sides) != 2:
+            raise arguments.wrong("names", names, "two strings")
+        return Comparison(self._side(sides[0]), other._side(sides[1]))
 
     def _side(self, name: str) -> _basrelief._Side:
         image, recording = self._image, self._kept_recording()
@@ -319,17 +324,38 @@ def _picture(pixels: _basrelief._Pixels | None) -> Picture | None:
 
 
 def load(path: FilePath) -> Result:
-    """Loads report and recording of a run from a folder written by `--out` or `Result.save`. The result has no images."""
+    """Loads a run from a folder written by `--out` or `Result.save`: the report, the recording, and the images of the last frame, if they
+    are there. A report file with another name is loaded alone. Raises `InputError` for a file that cannot be read, and for
+    an image of another run."""
     place = Path(path)
     report = place / REPORT if place.is_dir() else place
     text = _basrelief.read_report(str(report), _basrelief.read_text(report))
-    recording = next((place for name in (RECORDING, OLD_RECORDING) if (place := report.with_name(name)).exists()), None)
-    if report.name != REPORT or recording is None:
+    if report.name != REPORT:
         return Result(text, None, None, None)
+    image, reference = _saved_pictures(report.parent, json.loads(text)["image"])
+    recording = next((place for name in (RECORDING, OLD_RECORDING) if (place := report.with_name(name)).exists()), None)
+    if recording is None:
+        return Result(text, image, reference, None)
     try:
-        return Result(text, None, None, Recording(recording.read_bytes()))
+        return Result(text, image, reference, Recording(recording.read_bytes()))
     except OSError as error:
         raise InputError(f"{recording}: cannot be read: {error.strerror}") from error
+
+
+def _saved_pictures(folder: Path, listed: list[dict[str, str]]) -> tuple[Picture | None, Picture | None]:
+    """Returns image and reference image of the last frame, if they are in the folder of their report."""
+    if not listed:
+        return None, None
+    # A name alone, because a report of unknown origin must not select other files. `Result.save` writes the last frame only.
+    names = (Path(listed[-1]["file"]).name, "image.png")
+    file = next((file for name in names if name and (file := folder / name).is_file()), None)
+    if file is None:
+        return None, None
+    image = Picture(*_basrelief.read_png(file))
+    if image._sha256() != listed[-1]["sha256"]:
+        raise InputError(f"{file}: is not the image of {REPORT} beside it; remove the file, or save the run again")
+    reference = file.with_name(file.name.replace("image", "reference", 1))
+    return image, Picture(*_basrelief.read_png(reference)) if reference.is_file() else None
 
 
 _UNITS = ["unit", "numeral", "steps", "tokens", "busy", "starved", "blocked", "memory", "done"]

@@ -100,6 +100,8 @@ def sweep(
     name, folder = Path(arguments.path("plan", plan)), Path(arguments.path("out", out))
     memory_limit, threads = _limits(memory_limit, threads)
     options = (arguments.truth("retry_failed", retry_failed), arguments.truth("pictures", pictures))
+    if client is not None and not callable(getattr(client, "submit", None)):
+        raise arguments.wrong("client", client, "a client of Dask distributed")
     made: _Made = (str(name.absolute()), _basrelief.read_text(name), memory_limit)
     points = _basrelief.Plan(name, made[1], memory_limit)
     missing = points.missing(folder, retry_failed)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from html import escape
 from importlib import import_module
 from typing import Any
@@ -12,7 +13,8 @@ _LIBRARIES = ("pandas", "polars")
 
 
 class Table(dict[str, list[Any]]):
-    """A dictionary of columns of equal length, which `pandas.DataFrame` and `polars.DataFrame` accept."""
+    """A dictionary of columns of equal length, which `pandas.DataFrame` accepts. `polars.DataFrame` accepts it if each column has one
+    type; `frame` converts the others."""
 
     @classmethod
     def of_rows(cls, rows: list[dict[str, Any]], columns: list[str] | None = None) -> Table:
@@ -25,7 +27,7 @@ class Table(dict[str, list[Any]]):
         return [dict(zip(self, values, strict=True)) for values in zip(*self.values(), strict=True)]
 
     def frame(self, library: str = "pandas") -> Any:
-        """Returns a data frame of pandas or polars, which must be installed."""
+        """Returns a data frame of pandas or polars, which must be installed. For polars, a column of several types is text."""
         if library not in _LIBRARIES:
             raise UsageError(f"frame: `{library}`; expected {' or '.join(_LIBRARIES)}")
         try:
@@ -33,7 +35,8 @@ class Table(dict[str, list[Any]]):
         except ModuleNotFoundError as error:
             cure = f"install {library}, for example with `pip install {library}`"
             raise ModuleNotFoundError(f"frame: {error}; {cure}", name=error.name) from error
-        return module.DataFrame(dict(self))
+        columns = self if library == "pandas" else {name: _of_one_type(column) for name, column in self.items()}
+        return module.DataFrame(dict(columns))
 
     def _repr_html_(self) -> str:
         def line(kind: str, cells: list[Any]) -> str:
@@ -41,6 +44,22 @@ class Table(dict[str, list[Any]]):
 
         body = "".join(line("td", list(row.values())) for row in self.rows())
         return f"<table><thead>{line('th', list(self))}</thead><tbody>{body}</tbody></table>"
+
+
+def _of_one_type(column: list[Any]) -> list[Any]:
+    """Returns a column with one type besides `None`: as it is, as numbers, or as text."""
+    kinds = _types(column)
+    if kinds <= {int, float}:
+        return [None if cell is None else float(cell) for cell in column] if float in kinds else column
+    lists = [cell for cell in column if cell is not None]
+    parts = {kind for cell in lists for kind in _types(cell)} if kinds == {list} else set()
+    if len(kinds) <= 1 and len(parts) <= 1:
+        return column
+    return [cell if cell is None or isinstance(cell, str) else json.dumps(cell) for cell in column]
+
+
+def _types(cells: list[Any]) -> set[type]:
+    return {type(cell) for cell in cells if cell is not None}
 
 
 def _shown(cell: Any) -> str:
