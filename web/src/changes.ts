@@ -66,8 +66,8 @@ export function changes(pinned: Run | undefined, now: Run): HTMLElement {
     totals.splice(1, 0, `time per frame: ${decimal(before, 3)} \u2192 ${decimal(after, 3)} ms, ${change(after, before)}`);
   }
   if (a.quality && b.quality) {
-    const [from, to] = [a.quality.psnr_db, b.quality.psnr_db];
-    totals.push(`quality: ${from.toFixed(2)} \u2192 ${to.toFixed(2)} dB, ${change(to, from)}`);
+    const [from, to] = [a.quality.min.psnr_db, b.quality.min.psnr_db];
+    totals.push(`quality of the worst frame: ${from.toFixed(2)} \u2192 ${to.toFixed(2)} dB, ${change(to, from)}`);
   }
   return el(
     "div", {}, el("p", {}, el("b", {}, "A"), ` ${pinned.command}`, el("br"), el("b", {}, "B"), ` ${now.command}`), el("ul", {}, ...totals.map(text => el("li", {}, text))),

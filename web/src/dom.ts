@@ -16,6 +16,10 @@ export function el<K extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
+/** Creates the parts of a command. A line breaks between two options, not within an option and its value. */
+export const commandParts = (command: string): (Node | string)[] =>
+  command.split(/ (?=--)/).flatMap((part, n) => [...(n > 0 ? [" "] : []), el("span", {}, part)]);
+
 /** Creates a drawing of rectangles, 1000 wide and 10 high, that fills its place. */
 export function drawing(className: string, rectangles: Record<string, string | number>[]): SVGElement {
   const create = (name: string, attributes: Record<string, string | number | boolean>) => {

@@ -44,6 +44,8 @@ export class Page implements Handlers {
   /** Counts changes. Only the last one gets a complete answer. */
   #version = 0;
   #busy = false;
+  /** True if the image is a draft. */
+  #isDraft = false;
   /** True from a stop by the user until the next change. */
   #halted = false;
   /** True during a movement. */
@@ -333,8 +335,14 @@ export class Page implements Handlers {
     }
   }
 
+  /** Shows an error, and whose image and results are on the page. */
   #failed(why: string): void {
-    byId("answered").textContent = "";
+    const { version } = document.documentElement.dataset;
+    const isOld = version !== undefined && version !== String(this.#version);
+    const shown = this.#isDraft ? "The command and the results" : "The image, the command and the results";
+    byId("answered").textContent = isOld ? `${shown} are those of an earlier view.` : "";
+    if (this.#isDraft) this.#stage.rename("a draft of a view that is not complete");
+    this.#path.end();
     problem("run", why);
   }
 
@@ -361,6 +369,7 @@ export class Page implements Handlers {
   }
 
   #sketch(sketch: Sketch, rest: Uint8Array, about: string): void {
+    this.#isDraft = true;
     this.#stage.show(pictures([{ name: "image", about, ...sketch }], rest)[0], undefined);
     const page = document.documentElement.dataset;
     page["sketches"] = String(Number(page["sketches"] ?? 0) + 1);
@@ -398,6 +407,7 @@ export class Page implements Handlers {
     byId("what").textContent = `${name} \u00b7 ${report.size.width}\u00a0\u00d7\u00a0${report.size.height}`;
     const waiting = waited > 0 ? `, ${waited.toFixed(0)} waiting for the server` : "";
     byId("answered").textContent = `answered in ${answered.toFixed(0)} ms, ${(ms - waited).toFixed(0)} of them computing${waiting}`;
+    this.#isDraft = false;
     this.#drafts.settle();
     this.#path.show(json.path, report);
     this.#results.show({ run: json, rest, whole, pictures: fresh, state: copied(this.#state), source: this.#source! });

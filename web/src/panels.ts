@@ -16,13 +16,17 @@ const GROUPS: [string, string, string[]][] = [
 /** Returns the frames over which totals are averaged: 1 for an incomplete run, whose totals include an unfinished frame. */
 export const averagedFrames = ({ outcome, cycles }: Report): number => outcome.kind === "complete" ? Math.max(1, cycles?.frames.length ?? 1) : 1;
 
+/** Names what the quality in a report compares, as the HTML report does. */
+const comparedWith = ({ frames }: NonNullable<Report["quality"]>): string =>
+  frames && frames.length > 0 ? "reference images, worst frame" : "the reference image";
+
 /** Returns the headline figures: name, value and format. */
 export function figures(report: Report): [string, number, (n: number) => string][] {
   const frames = averagedFrames(report);
   const each = frames > 1 ? " per frame" : "";
   const list: [string, number, (n: number) => string][] = [];
   if (report.cycles) list.push([`cycles${each}`, frameCycles(report) / frames, n => thousands(Math.floor(n))]);
-  if (report.quality) list.push(["dB against the reference image", report.quality.psnr_db, n => n.toFixed(2)]);
+  if (report.quality) list.push([`dB against ${comparedWith(report.quality)}`, report.quality.min.psnr_db, n => n.toFixed(2)]);
   list.push([`bytes of memory traffic${each}`, Math.floor(memoryBytes(report) / frames), thousands]);
   list.push(["gate equivalents", report.hardware.reduce((sum, { area_ge }) => sum + area_ge, 0), thousands]);
   return list;

@@ -9,6 +9,8 @@ export class Path {
   #before = NOTHING;
   #come = NOTHING;
   #view = -1;
+  /** True while bytes of the current view arrive. */
+  #isComing = false;
   /** Bytes of all tiles of all textures, once known. */
   #all = 0;
 
@@ -29,7 +31,16 @@ export class Path {
   came(bytes: number): void {
     const all = this.#come.tile_bytes + bytes;
     this.#bar(all);
+    this.#isComing = true;
     byId("path-view").textContent = `This view: ${thousands(all - this.#before.tile_bytes)} bytes received so far\u2026`;
+  }
+
+  /** Shows that no further bytes of the current view will arrive. */
+  end(): void {
+    if (!this.#isComing) return;
+    this.#isComing = false;
+    const view = byId("path-view");
+    view.textContent = (view.textContent ?? "").replace(" so far\u2026", ". It is not complete.");
   }
 
   #bar(bytes: number): void {
@@ -39,6 +50,7 @@ export class Path {
   show(come: Come | null, report: Report): void {
     if (!come) return;
     this.#come = come;
+    this.#isComing = false;
     const all = report.figures["conventional_tile_bytes"] ?? 0;
     this.#all = all;
     this.#bar(come.tile_bytes);

@@ -52,6 +52,12 @@ export class Stage {
     canvas.addEventListener("keydown", event => this.#key(event));
   }
 
+  /** Describes the left picture anew. */
+  rename(about: string): void {
+    if (this.#left) this.#left = { ...this.#left, about };
+    this.#caption();
+  }
+
   show(left: Picture | undefined, right: Picture | undefined): void {
     this.#left = left;
     this.#right = right;

@@ -59,7 +59,8 @@ export interface Report {
   units?: Record<string, Unit>;
   bytes?: { requested: number; moved: number };
   hardware: { area_ge: number }[];
-  quality?: { psnr_db: number; ssim: number; flip: number };
+  /** Of the last frame, of the worst one, and of each frame if there are several. */
+  quality?: { psnr_db: number; ssim: number; flip: number; min: { psnr_db: number }; frames?: unknown[] };
   image: { sha256: string }[];
   derived: Record<string, { value: number; unit: string }>;
   figures: Record<string, number>;

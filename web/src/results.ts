@@ -1,7 +1,7 @@
 // Results of the current run and of pinned runs.
 import type { Answered } from "./client";
 import { bars, changes } from "./changes";
-import { byId, el } from "./dom";
+import { byId, commandParts, el } from "./dom";
 import { lead, numbers, panel, tabs, type Shown } from "./panels";
 import { chooser, pictures, type Picture, type Stage } from "./picture";
 import { problem } from "./problems";
@@ -51,7 +51,7 @@ export class Results {
 
   show(kept: Kept): void {
     this.#now = kept;
-    byId("command").textContent = kept.run.command;
+    byId("command").replaceChildren(...commandParts(kept.run.command));
     this.#choices();
     this.#render();
   }
@@ -98,7 +98,7 @@ export class Results {
     byId("compare").hidden = this.#pins.length === 0;
     byId("compare").textContent = this.#pins.length === MOST_PINS ? "Compare A and B" : "Compare with A";
     byId("pins").replaceChildren(...this.#pins.map((pinned, n) => el(
-      "li", { class: "repeat" }, el("b", {}, "AB"[n]!), el("code", {}, pinned.run.command),
+      "li", { class: "repeat" }, el("b", {}, "AB"[n]!), el("code", {}, ...commandParts(pinned.run.command)),
       el("button", { type: "button", onclick: event => void copy(pinned.run.command, event.target as HTMLElement) }, "Copy"),
       el("button", { type: "button", onclick: () => this.#unpin(pinned) }, "Unpin"),
     )));

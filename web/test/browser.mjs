@@ -63,6 +63,17 @@ async function slider() {
   await page.close();
 }
 
+/** Tests what the page says about several frames: the quality of the worst one, and the images of the last one. */
+async function severalFrames() {
+  const page = await opened(`${server.address}${QUICK}&frames=2&orbit=200`);
+  assert.match(await page.textContent("#caption"), /the machine's image, frame 2 of 2\./);
+  const { report } = await shown(page);
+  const numbers = await page.textContent("#numbers");
+  const worst = `dB against reference images, worst frame${report.quality.min.psnr_db.toFixed(2)}`;
+  assert.ok(report.quality.min.psnr_db < report.quality.psnr_db && numbers.includes(worst), `${worst} in ${numbers}`);
+  await page.close();
+}
+
 async function turned() {
   const page = await opened(`${server.address}${QUICK}&frames=2`);
   await page.focus("#picture");
@@ -79,6 +90,8 @@ async function turned() {
   await whole(page);
   assert.match(await page.textContent("#command"), /--turn -/);
   await equalsNative(page);
+  const ends = await page.$$eval("#command span", parts => parts.map(part => [part.textContent, part.getClientRects().length]));
+  assert.ok(ends.length > 3 && ends.every(([, lines]) => lines === 1), `an option and its value are on one line: ${ends}`);
   // The address contains the whole state.
   const again = await opened(page.url());
   assert.deepEqual(await shown(again), await shown(page));
@@ -210,7 +223,7 @@ async function stopped() {
     await page.waitForTimeout(2500);
     assert.ok(await page.isHidden("#stop"), "nothing is computed after a stop");
     assert.match(await page.textContent("#problem"), /^Stopped/);
-    assert.equal(await page.textContent("#answered"), "");
+    assert.equal(await page.textContent("#answered"), "The image, the command and the results are those of an earlier view.");
     await frames(page, "");
     await page.selectOption("#size", "160x120");
     await whole(page);
@@ -248,7 +261,7 @@ async function standalone() {
 }
 
 try {
-  for (const test of [wrong, warned, stopped, stoppedOffline, standalone, machines, slider, turned, pinned, pinnedWhenComplete, costs]) {
+  for (const test of [wrong, warned, stopped, stoppedOffline, standalone, machines, slider, severalFrames, turned, pinned, pinnedWhenComplete, costs]) {
     await test();
     console.log(`ok: ${test.name}`);
   }

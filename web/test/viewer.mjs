@@ -145,6 +145,12 @@ async function otherwise() {
   await page.keyboard.press("ArrowUp");
   await page.waitForSelector("#problem:visible");
   assert.match(await page.textContent("#problem"), /texture \d+ .*layer \d+, tile \d+: http:.*no connection to the server.*attempt 3/);
+  const caption = await page.textContent("#caption");
+  assert.ok(!/still loading|better ones follow/.test(caption), `the caption promises no further tiles: ${caption}`);
+  assert.ok(!/so far/.test(await page.textContent("#path-view")), "no bytes are coming");
+  const answered = await page.textContent("#answered");
+  assert.match(answered, /^The (image, the )?command and the results are those of an earlier view\.$/);
+  assert.equal(/not complete/.test(caption), !answered.includes("image"), "a draft is called a draft");
   await page.close();
 }
 

@@ -56,7 +56,12 @@ impl TraceForm {
 /// `begin`. For callers that also accept other kinds of file.
 pub fn looks_like_trace(start: &[u8]) -> bool {
     let json = start.trim_ascii_start().strip_prefix(b"{").map(<[u8]>::trim_ascii_start);
-    start.starts_with(&BINARY_MAGIC) || start.starts_with(&ZSTD_MAGIC) || json.is_some_and(|rest| rest.starts_with(b"\"begin\""))
+    start.starts_with(&BINARY_MAGIC) || looks_compressed(start) || json.is_some_and(|rest| rest.starts_with(b"\"begin\""))
+}
+
+/// Returns true if the first bytes of a file are those of zstd.
+pub fn looks_compressed(start: &[u8]) -> bool {
+    start.starts_with(&ZSTD_MAGIC)
 }
 
 /// Longest beginning of a compressed trace that says how large a window it takes \[bytes\].
@@ -85,7 +90,7 @@ impl<R: Read> TraceBytes<R> {
     /// Returns the first uncompressed bytes, the source, and the reservation of the decompressor.
     pub(crate) fn open(reader: R, budget: &MemoryPool) -> io::Result<(Vec<u8>, Self, MemoryReservation)> {
         let (mut head, reader) = peek(reader, ZSTD_HEAD)?;
-        if head.starts_with(&ZSTD_MAGIC) {
+        if looks_compressed(&head) {
             return Self::decompress(&head, reader, budget);
         }
         head.truncate(BINARY_MAGIC.len());

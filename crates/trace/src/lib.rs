@@ -64,7 +64,7 @@ pub use command::{
 pub use data::{Digest, Texels};
 pub use dent::DentedPolygons;
 pub use error::{ErrorKind, TraceError, TracePlace};
-pub use form::{TraceEncoding, TraceForm, looks_like_trace};
+pub use form::{TraceEncoding, TraceForm, looks_compressed, looks_like_trace};
 pub use parameter_value::{ParameterValue, ScalarValue};
 pub use reader::{TraceReader, open};
 pub use recorder::TraceRecorder;

@@ -1,6 +1,6 @@
 //! The current input, with its last prepared view.
 
-use crate::command::{InputName, command};
+use crate::command::{InputName, command, quoted};
 use crate::comparison::{RerunInput, TraceFiles, trace_input};
 use crate::connection::ServerConnection;
 use crate::draft::{DraftPages, DraftRecord, DraftTiles};
@@ -13,7 +13,7 @@ use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_scene::{MemoryFiles, SceneSubject};
 use basrelief_sim::{MACHINES, MachineConfig, MachineInfo, Overrides, PreparedScene, RunInput};
 use basrelief_tile_server::protocol::{GroupHashes, ReceivedScene, unpack};
-use basrelief_trace::looks_like_trace;
+use basrelief_trace::{TraceForm, looks_compressed, looks_like_trace};
 use serde_json::{Value, json};
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -222,6 +222,7 @@ fn open_files(name: &str, files: Vec<RequestFile>, question: &Message) -> Result
     let bytes = |file: &RequestFile| question.bytes(file.at).ok_or_else(|| format!("{}: is not in the question", file.name));
     let main = files.iter().find(|file| file.name == name).ok_or_else(|| format!("{name}: is not among the files"))?;
     let budget = budget();
+    check_is_not_compressed(name, bytes(main)?)?;
     if looks_like_trace(bytes(main)?) {
         let all = files.iter().map(|file| Ok((file.name.clone(), Arc::from(bytes(file)?)))).collect::<Result<_, String>>()?;
         return Ok(InputKind::Trace(all, budget));
@@ -233,4 +234,24 @@ fn open_files(name: &str, files: Vec<RequestFile>, question: &Message) -> Result
     let loaded = SceneSubject::load(bytes(main)?, name, &memory, &budget);
     let (subject, held) = loaded.map_err(|e| e.to_string())?;
     Ok(InputKind::Subject(SceneView::local(subject, held, budget)))
+}
+
+/// Refuses compressed traces and recordings of runs, which are compressed likewise. The page has no decompressor.
+fn check_is_not_compressed(name: &str, bytes: &[u8]) -> Result<(), String> {
+    if !looks_compressed(bytes) {
+        return Ok(());
+    }
+    // Only the name tells them apart without a decompressor.
+    if name.ends_with(".recording") {
+        let cure = format!("`basrelief resimulate {}` reads it", quoted(name));
+        return Err(format!("{name}: the recording of a run, expected a model or a trace; {cure}"));
+    }
+    let stem = name.strip_suffix(".zst").filter(|stem| TraceForm::for_file_name(stem).is_some());
+    let plain = stem.map_or_else(|| format!("{name}.bdl"), str::to_owned);
+    Err(format!(
+        "{name}: is compressed with zstd, which this page cannot read; expected a model or an uncompressed trace; \
+         `basrelief convert {} {}` decompresses a trace",
+        quoted(name),
+        quoted(&plain)
+    ))
 }

@@ -115,6 +115,36 @@ fn content_identifies_models_and_display_lists() {
 }
 
 #[test]
+fn compressed_input_names_file_and_cure() {
+    let mut service = SimulationService::default();
+    let zstd = [0x28, 0xb5, 0x2f, 0xfd, 0x04, 0x00, 0x00, 0x00];
+    let mut refused = |name: &str| {
+        let files = json!([{"name": name, "at": [0, zstd.len()]}]);
+        error(&ask_with(&mut service, json!({"ask": "files", "name": name, "files": files}), &zstd)).to_owned()
+    };
+    let reason = "is compressed with zstd, which this page cannot read; expected a model or an uncompressed trace";
+    assert_eq!(refused("x.bdl.zst"), format!("x.bdl.zst: {reason}; `basrelief convert x.bdl.zst x.bdl` decompresses a trace"));
+    assert_eq!(refused("a b"), format!("a b: {reason}; `basrelief convert 'a b' 'a b.bdl'` decompresses a trace"));
+    assert_eq!(
+        refused("run.recording"),
+        "run.recording: the recording of a run, expected a model or a trace; `basrelief resimulate run.recording` reads it"
+    );
+}
+
+#[test]
+fn pictures_of_several_frames_name_the_last_frame() {
+    let mut service = SimulationService::default();
+    send(&mut service, json!({"ask": "demo", "name": "cut-plane@1"}));
+    let about = |service: &mut SimulationService, frames: u32| {
+        let view = json!({"size": SIZE, "frames": frames});
+        let run = json!({"ask": "run", "machine": "bump", "set": [], "view": view, "exact": true});
+        send(service, run).json["pictures"][0]["about"].as_str().unwrap().to_owned()
+    };
+    assert_eq!(about(&mut service, 3), "the machine's image, frame 3 of 3");
+    assert_eq!(about(&mut service, 1), "the machine's image");
+}
+
+#[test]
 fn errors_are_responses() {
     let mut service = SimulationService::default();
     let run = |set: Value| json!({"ask": "run", "machine": "bump", "set": set, "view": {"size": SIZE}});

@@ -47,6 +47,15 @@ fn page(report: &Report) -> String {
     to_html(report, &assets("lanes")).unwrap()
 }
 
+#[test]
+fn images_of_several_frames_name_the_last_frame() {
+    let mut report = samples::costed();
+    report.image.truncate(1);
+    assert!(page(&report).contains("<figcaption>lanes<"), "one frame needs no name");
+    report.image = vec![report.image[0].clone(); 3];
+    assert!(page(&report).contains("<figcaption>lanes, frame 3 of 3<"));
+}
+
 /// Every tag is closed, in order; every attribute is quoted; no sign of markup stands in a text.
 fn check_well_formed(page: &str) {
     let mut open: Vec<&str> = vec![];

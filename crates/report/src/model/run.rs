@@ -158,6 +158,12 @@ impl Report {
         self.cycles_of_frames().len() as u64
     }
 
+    /// Returns the name of the last frame among several, such as "frame 3 of 3"; `None` if there is one image only.
+    pub fn last_frame_name(&self) -> Option<String> {
+        let images = self.image.len();
+        (images > 1).then(|| format!("frame {images} of {images}"))
+    }
+
     /// Returns the render cycles of each finished frame: those of its pictures together.
     pub fn cycles_of_frames(&self) -> Vec<u64> {
         let Some(cycles) = &self.cycles else { return vec![] };
