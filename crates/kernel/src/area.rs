@@ -5,7 +5,6 @@
 //! # Limits
 //!
 //! - Wires, clock trees, pads, test logic and the control logic of units have no area.
-//! - A polygon that waits in a FIFO has the area of its token, but none for its vertices.
 //! - Delays of powers, of memory macros and of wires are not known.
 
 mod blocks;

@@ -10,6 +10,8 @@
 //! # Limits of time and area
 //!
 //! - All operators of the rasterizer count as floating point, as their latencies do. Its edge functions are integers in the model.
+//! - A slot of a FIFO of polygons holds a triangle with all attributes that the machine accepts. The further corners of a clipped polygon, and
+//!   polygons whose tokens wait in FIFOs behind, have no storage but the set-up registers of the units.
 //! - The `texel` machine computes in fixed point, but its operators have the latencies `operators.multiply`, `add` and `divide` of the
 //!   machine, whatever their width.
 //! - The CPU of the `shade` machine has the area of its floating-point unit and memory. Its integer unit and program have none.

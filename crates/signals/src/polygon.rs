@@ -107,6 +107,23 @@ impl VertexAttributes {
         let normal_map = self.normal_maps && bump && material.normal_map.is_some();
         SentAttributes { normal, normal_map, texture: self.textures && material.color_texture.is_some(), color, brightness }
     }
+
+    /// Returns all attributes that a machine may accept.
+    pub fn all(self) -> SentAttributes {
+        let is_taken = |lit: [LightingStage; 2]| lit.contains(&self.lit);
+        SentAttributes {
+            normal: is_taken([LightingStage::InMachine, LightingStage::Targets]),
+            normal_map: self.normal_maps,
+            texture: self.textures,
+            color: true,
+            brightness: is_taken([LightingStage::AtVertices, LightingStage::Targets]),
+        }
+    }
+
+    /// Returns the size of a triangle with all attributes \[bits\].
+    pub fn triangle_bits(self) -> u32 {
+        8 * (Polygon::HEAD_BYTES + 3 * (Polygon::POSITION_BYTES + self.all().bytes())) as u32
+    }
 }
 
 impl SentAttributes {

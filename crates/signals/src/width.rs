@@ -23,7 +23,7 @@ pub const LEVEL: u32 = 3;
 /// Share of a MIP level, in steps of the LOD \[bits\]. It has spare bits because several texels may have a share in the level.
 pub const SHARE: u32 = 8;
 /// Control token \[bits\]: its kind, and the number of its frame, object or polygon. Set-up registers of the units hold the data of
-/// frames, objects and polygons.
+/// frames, objects and polygons. A FIFO of control tokens alone holds the data of polygons, too.
 pub const CONTROL: u32 = 32;
 
 /// A token without data: its arrival is the signal.
@@ -141,6 +141,10 @@ impl BitWidth for Control {
             _ => None,
         };
         wire.setup("criterion", u64::BITS, criterion);
+    }
+
+    fn bits(widths: &SignalWidths) -> u32 {
+        CONTROL + widths.polygon
     }
 
     fn attribution(&self) -> Attribution {

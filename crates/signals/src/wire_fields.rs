@@ -25,11 +25,13 @@ pub struct SignalWidths {
     pub brightness: u32,
     /// Texture coordinate \[bits\].
     pub texture: u32,
+    /// Data of a polygon beside its number, in a FIFO of polygons \[bits\].
+    pub polygon: u32,
 }
 
 impl Default for SignalWidths {
     fn default() -> Self {
-        Self { depth: 24, stamp: 4, samples: 1, normal: 16, index: 8, brightness: 8, texture: NUMBER }
+        Self { depth: 24, stamp: 4, samples: 1, normal: 16, index: 8, brightness: 8, texture: NUMBER, polygon: 0 }
     }
 }
 

@@ -3,6 +3,7 @@
 use super::BumpProcessorConfig;
 use crate::memories::check_memories;
 use crate::problem::{ConfigProblem, line_is_power_of_two, problem, slow_fifos};
+use crate::spec::MachineSpec;
 use basrelief_brightness::{BrightnessSource, Components};
 use basrelief_graphics_processor::{GraphicsProcessor, HeldEntry};
 use basrelief_kernel::Unit;
@@ -76,6 +77,7 @@ pub(super) fn widths(config: &BumpProcessorConfig, stamp: u32) -> SignalWidths {
         normal: config.normal_mapping.normal_bits,
         index: count(most.max(2) - 1),
         brightness: values * config.brightness.bits,
+        polygon: config.front().taken.triangle_bits(),
         ..SignalWidths::default()
     }
 }

@@ -9,6 +9,7 @@ use crate::engines::compile_engines;
 use crate::fifos::{fifo, slots};
 use crate::front::FrontEnd;
 use crate::problem::{ConfigProblem, wired};
+use crate::spec::MachineSpec;
 use basrelief_deferred_renderer::tokens::EncodedTile;
 use basrelief_deferred_renderer::{
     CellFormat, Cells, DepthPixel, Expander, FilledBuffer, Identification, Path, PicturePreview, PyramidCut, Rasterization,
@@ -80,7 +81,8 @@ impl DeferredRenderer {
         let cells = Cells::new(engine.clone(), c.operators.clone(), &c.cell, &c.defer, cut);
         let depth = DepthTest::new(c.depth, &c.operators, c.rasterizer.z_bits, c.cache.depth.line_bytes);
         let tile_bytes = 3 * c.tile.width * c.tile.height;
-        let widths = SignalWidths { depth: c.rasterizer.z_bits, stamp: c.rasterizer.stamp, ..SignalWidths::default() };
+        let (stamp, polygon) = (c.rasterizer.stamp, config.front().taken.triangle_bits());
+        let widths = SignalWidths { depth: c.rasterizer.z_bits, stamp, polygon, ..SignalWidths::default() };
         wired(
             Self {
                 front,

@@ -8,6 +8,7 @@ use crate::PictureMachine;
 use crate::engines::compile_engines;
 use crate::front::FrontEnd;
 use crate::problem::{ConfigProblem, wired};
+use crate::spec::MachineSpec;
 use basrelief_figure_shading::{
     Adder, BrightnessInterpolation, Gate, HostInterface, Microcomputer, NormalInterpolation, RegisterBank, Selector28, Selector53,
 };
@@ -50,10 +51,12 @@ impl FigureShadingDevice {
         let normal_interpolation = NormalInterpolation::new(c.normal_interpolation.clone(), c.shade.renormalise, o.clone());
         let scan = c.scan.clone();
         let microcomputer = Microcomputer::new(c.cpu, &c.host, c.shade, c.shortcut, scan, &c.normal_interpolation, o);
+        let polygon = config.front().taken.triangle_bits();
+        let widths = SignalWidths { depth: c.scan.z_bits, stamp: 1, polygon, ..SignalWidths::default() };
         wired(
             Self {
                 front,
-                fifos: Fifos::new(&c.fifo, &SignalWidths { depth: c.scan.z_bits, stamp: 1, ..SignalWidths::default() }),
+                fifos: Fifos::new(&c.fifo, &widths),
                 host: Stage::new("host-interface", HostInterface::new(c.host)),
                 microcomputer: Stage::new("microcomputer", microcomputer),
                 registers: Stage::new("registers", RegisterBank::default()),

@@ -8,6 +8,7 @@ use crate::PictureMachine;
 use crate::engines::compile_engines;
 use crate::front::FrontEnd;
 use crate::problem::{ConfigProblem, wired};
+use crate::spec::MachineSpec;
 use basrelief_frame_buffer::{FinishedFrame, FrameBuffer};
 use basrelief_graphics_processor::DepthTest;
 use basrelief_kernel::stats::UnitStats;
@@ -60,10 +61,12 @@ impl TextureMappingSystem {
             flags: if c.frame_buffer.clear_flags { c.frame_buffer.flags } else { 0 },
             per_cycle: c.frame_buffer.flags_per_cycle,
         };
+        let polygon = config.front().taken.triangle_bits();
+        let widths = SignalWidths { depth: c.scan.z_bits, texture: bits, polygon, ..SignalWidths::default() };
         wired(
             Self {
                 front,
-                fifos: Fifos::new(&c.fifo, &SignalWidths { depth: c.scan.z_bits, texture: bits, ..SignalWidths::default() }),
+                fifos: Fifos::new(&c.fifo, &widths),
                 depth: Stage::new("depth-test", DepthTest::new(c.depth, &c.operators, c.scan.z_bits, c.cache.depth.line_bytes)),
                 scan_converter: Stage::new(
                     "scan-converter",

@@ -40,7 +40,7 @@ impl GeometryProcessor {
     }
 
     pub(crate) fn tell_hardware(&self, stats: &mut UnitStats) {
-        let work = work::program(self.all_attributes(), self.taken.lit);
+        let work = work::program(self.taken.all(), self.taken.lit);
         stats.shared_operators("transform, clip, project, light", self.config.operators(), work, OperandWidth::SINGLE);
         stats.hardware(HardwareKind::Registers, "matrices", 16 + 9 + 9_u32, NUMBER);
         stats.hardware(HardwareKind::Registers, "lights", 7 * LIGHTS, NUMBER);
@@ -51,19 +51,7 @@ impl GeometryProcessor {
 
     /// Returns the size of a transformed vertex \[bits\]: clip and window coordinates, and its attributes.
     fn vertex_bits(&self) -> u32 {
-        8 * NUMBER + 8 * self.all_attributes().bytes() as u32
-    }
-
-    /// Returns all attributes of a vertex that the machine may accept.
-    fn all_attributes(&self) -> SentAttributes {
-        let is_taken = |lit: [LightingStage; 2]| lit.contains(&self.taken.lit);
-        SentAttributes {
-            normal: is_taken([LightingStage::InMachine, LightingStage::Targets]),
-            normal_map: self.taken.normal_maps,
-            texture: self.taken.textures,
-            color: true,
-            brightness: is_taken([LightingStage::AtVertices, LightingStage::Targets]),
-        }
+        8 * NUMBER + 8 * self.taken.all().bytes() as u32
     }
 }
 

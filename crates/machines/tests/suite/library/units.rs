@@ -182,6 +182,17 @@ fn hardware_that_no_step_uses_is_not_counted() {
 }
 
 #[test]
+fn polygons_wait_with_their_vertices() {
+    let slot = |hardware: Vec<Hardware>| hardware.into_iter().find(|piece| piece.place == "polygons").unwrap().width;
+    // Token; head of three words; for each corner a position, and attributes that the machine accepts.
+    let bits = |attributes: u32| 32 + 8 * (12 + 3 * (16 + attributes));
+    let bump: BumpProcessorConfig = config(&[]);
+    assert_eq!(slot(bump.hardware().unwrap()), bits(12 + 24 + 8 + 4 + 8), "normal, tangents, texture, colour, brightness");
+    let shade: ShadeConfig = config(&[]);
+    assert_eq!(slot(shade.hardware().unwrap()), bits(12 + 4), "normal, colour");
+}
+
+#[test]
 fn display_holds_two_reads() {
     let config: ShadeConfig = config(&[("display.burst_bytes", "512")]);
     let hardware = config.hardware().unwrap();

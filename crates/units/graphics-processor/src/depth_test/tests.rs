@@ -334,7 +334,7 @@ fn unit_reports_comparator_gathered_lines_and_flags() {
         Early::new(config, &Operators::default(), 24, 64).report_stats(&mut facts);
         facts.all_hardware().iter().map(|h| (h.kind, h.count, h.width, h.ports)).collect::<Vec<_>>()
     };
-    let (comparison, lines) = ((Adder, 1, 24, 1), (Table, 8, 16 * 25 + 20, 1));
-    assert_eq!(told(DepthConfig::default()), [comparison, lines, (Table, 131_072 / 64, 64, 2)]);
-    assert_eq!(told(DepthConfig { clear_flags: false, ..DepthConfig::default() }), [comparison, lines]);
+    let (comparison, lines, search) = ((Adder, 1, 24, 1), (Table, 8, 16 * 25 + 20, 1), (Adder, 8, 20, 1));
+    assert_eq!(told(DepthConfig::default()), [comparison, lines, search, (Table, 131_072 / 64, 64, 2)]);
+    assert_eq!(told(DepthConfig { clear_flags: false, ..DepthConfig::default() }), [comparison, lines, search]);
 }
