@@ -65,7 +65,10 @@ fn copied_program_shows_the_page_if_built_with_it() {
     let has_page = named.is_some() || cfg!(feature = "page");
     std::fs::create_dir(place.path("alone")).expect("a folder");
     let program = place.path("alone/basrelief");
-    std::fs::copy(named.unwrap_or_else(|| PROGRAM.into()), &program).expect("copied");
+    // Copied by another process. Programs that other tests start in this moment would inherit a file that is open for writing, and a
+    // program in such a file cannot run.
+    let copied = Command::new("cp").arg(named.unwrap_or_else(|| PROGRAM.into())).arg(&program).status();
+    assert!(copied.expect("cp runs").success());
     let command = |line: &str| {
         let mut command = Command::new(&program);
         command.args(line.split_whitespace()).current_dir(place.path("alone")).stdin(Stdio::null());
