@@ -270,7 +270,7 @@ impl MachineInfo {
         (self.units)()
     }
 
-    /// Returns the configuration without settings, as [`MachineInfo::load`] does, but with a thousandth of the instructions.
+    /// Returns the configuration that [`MachineInfo::load`] gives without text and settings. Nothing is parsed.
     pub fn default_config(&self) -> MachineConfig {
         (self.default)()
     }

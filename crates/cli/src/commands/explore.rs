@@ -1,10 +1,10 @@
 //! `basrelief explore`: finds the Pareto front of a plan with few runs.
 
-use super::plans::{OpenedPlan, check_results, counts, work, write_tables};
+use super::plans::{OpenedPlan, counts, failed_points, finish, work, write_tables};
 use crate::args::ExploreArgs;
-use crate::error::{CommandError, CommandResult, print};
+use crate::error::{CommandError, CommandResult};
 use crate::global::GlobalOptions;
-use basrelief_dse::{ExplorationResult, ExploreOptions, PlanPoint, PointStatus, explore as find};
+use basrelief_dse::{ExplorationResult, ExploreOptions, PlanPoint, explore as find};
 
 /// Runs an exploration.
 pub fn explore(args: &ExploreArgs, global: &GlobalOptions) -> CommandResult {
@@ -16,7 +16,7 @@ pub fn explore(args: &ExploreArgs, global: &GlobalOptions) -> CommandResult {
     let found = find(plan, options, &work, &folder, &host).map_err(CommandError::in_input(&name))?;
     let ExplorationResult { plan, tally, share, unfit, grid_was_cheaper } = found;
     let points: Vec<&PlanPoint> = plan.points.iter().collect();
-    let failed = folder.find_all(&points).into_iter().filter(|found| *found == PointStatus::Failed).count();
+    let failed = failed_points(&folder, &points);
     let mut said = counts(&tally, failed);
     if grid_was_cheaper {
         said += "the grid is cheaper than this exploration, so all of its points were run\n";
@@ -34,8 +34,5 @@ pub fn explore(args: &ExploreArgs, global: &GlobalOptions) -> CommandResult {
     };
     said += &write_tables(&plan, &folder, &args.plan, &host)?;
     drop(host);
-    if !global.quiet {
-        print(&said)?;
-    }
-    check_results(failed, points.len(), &args.plan.out)
+    finish(&said, failed, &plan, &args.plan, global)
 }

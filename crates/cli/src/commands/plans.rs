@@ -1,7 +1,7 @@
 //! Code shared by `sweep` and `explore`.
 
 use crate::args::{PlanArgs, ViewArgs};
-use crate::error::{CommandError, CommandResult};
+use crate::error::{CommandError, CommandResult, print};
 use crate::global::GlobalOptions;
 use crate::input::{ResolvedView, TraceFile, open_trace, read_text, resolve_view};
 use crate::interrupt;
@@ -9,7 +9,7 @@ use crate::outputs::{PartialFile, check_outputs_keep_inputs};
 use crate::progress::PointProgress;
 use crate::scene_input::{demo_of, input_error, open_scene};
 use basrelief_dse::{
-    OpenError, OpenedInput, Plan, PlanPoint, SweepError, SweepFolder, SweepHost, SweepJob, SweepProgress, tables,
+    OpenError, OpenedInput, Plan, PlanPoint, PointStatus, SweepError, SweepFolder, SweepHost, SweepJob, SweepProgress, tables,
 };
 use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_parameters::nearest;
@@ -83,18 +83,27 @@ pub fn counts(
     format!("{points} {noun}: {there} reused, {run} run, {retimed} resimulated; {failed} failed\n{again}")
 }
 
-/// Returns an error if all points of a plan failed. A shard may consist of such points.
+/// Returns the number of these points that failed.
+pub fn failed_points(folder: &SweepFolder, points: &[&PlanPoint]) -> usize {
+    folder.find_all(points).into_iter().filter(|found| *found == PointStatus::Failed).count()
+}
+
+/// Prints the message of a finished command. `failed`: the number of the plan's points that failed.
 ///
 /// # Errors
-/// No point has a result.
-pub fn check_results(failed: usize, points: usize, out: &Path) -> CommandResult {
+/// All points of the plan failed. A shard alone may consist of such points.
+pub fn finish(said: &str, failed: usize, plan: &Plan, args: &PlanArgs, global: &GlobalOptions) -> CommandResult {
+    if !global.quiet {
+        print(said)?;
+    }
+    let points = plan.points.len();
     if failed < points || points == 0 {
         return Ok(());
     }
     let which = if points == 1 { "the only point".to_owned() } else { format!("all {points} points") };
     Err(CommandError::BadInput(format!(
         "{which} failed; {}/points/ID/failed.json states why; correct the plan, or run them again with --retry-failed",
-        out.display()
+        args.out.display()
     )))
 }
 

@@ -1,11 +1,11 @@
 //! `basrelief sweep`: runs the missing points of a plan.
 
 use super::cluster::{commands, job_script, missing_points};
-use super::plans::{OpenedPlan, SweepProgram, check_results, counts, sweep_error, work, write_tables};
+use super::plans::{OpenedPlan, SweepProgram, counts, failed_points, finish, sweep_error, work, write_tables};
 use crate::args::SweepArgs;
 use crate::error::{CommandError, CommandResult, print};
 use crate::global::GlobalOptions;
-use basrelief_dse::{Plan, PlanPoint, PointStatus, SweepFolder, execute, verify};
+use basrelief_dse::{Plan, PlanPoint, SweepFolder, execute, verify};
 use std::fmt::Write as _;
 
 /// Runs a sweep.
@@ -19,13 +19,10 @@ pub fn sweep(args: &SweepArgs, global: &GlobalOptions) -> CommandResult {
     }
     let points = selected_points(&plan, args)?;
     let tally = execute(&plan, &work(&args.plan, &points, threads), &folder, &host).map_err(sweep_error)?;
-    let failed = folder.find_all(&points).into_iter().filter(|found| *found == PointStatus::Failed).count();
+    let failed = failed_points(&folder, &points);
     let said = counts(&tally, failed) + &finish_sweep(&plan, &points, &folder, args, &host)?;
     drop(host);
-    if !global.quiet {
-        print(&said)?;
-    }
-    check_results(failed, plan.points.len(), &args.plan.out)
+    finish(&said, failed, &plan, &args.plan, global)
 }
 
 /// Returns the points that the command line selects.
