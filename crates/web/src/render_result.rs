@@ -143,7 +143,7 @@ impl RenderResult {
         strips: Option<(UtilizationTimeline, Vec<String>)>,
     ) -> Result<Message, String> {
         let mut message = Message::default();
-        let pictures = self.pictures(report.last_frame_name(), &mut message)?;
+        let pictures = self.pictures(&report.last_frame_suffix(), &mut message)?;
         let strips = strips.map(|(strips, names)| pack_timeline(&strips, &names, &mut message));
         let sections: Vec<Value> = sections(report, &page_assets(report)?)
             .into_iter()
@@ -160,18 +160,17 @@ impl RenderResult {
     /// Returns an answer with the auxiliary outputs only.
     pub(crate) fn exhibits(self) -> Result<Message, String> {
         let mut message = Message::default();
-        let pictures = Self { machine: None, ..self }.pictures(None, &mut message)?;
+        let pictures = Self { machine: None, ..self }.pictures("", &mut message)?;
         message.json = json!({ "pictures": pictures });
         Ok(message)
     }
 
-    /// Appends the pictures to a message, and returns their descriptions. `frame` names the last one of several frames.
-    fn pictures(&self, frame: Option<String>, message: &mut Message) -> Result<Vec<Value>, String> {
+    /// Appends the pictures to a message, and returns their descriptions, which end with `frame`.
+    fn pictures(&self, frame: &str, message: &mut Message) -> Result<Vec<Value>, String> {
         let mut list = Vec::new();
-        let frame = frame.map_or(String::new(), |frame| format!(", {frame}"));
         let mut add = |name: &str, about: String, picture: &RgbPicture| {
             let at = message.append(&picture.to_rgba());
-            let about = about + &frame;
+            let about = about + frame;
             list.push(json!({ "name": name, "about": about, "at": at, "width": picture.width, "height": picture.height }));
         };
         if let Some(machine) = &self.machine {

@@ -29,8 +29,7 @@ pub(super) fn pictures(report: &Report, pictures: &[PagePicture]) -> Html {
 fn figure(report: &Report, picture: &PagePicture) -> Html {
     let (width, height) = (report.size.width.to_string(), report.size.height.to_string());
     let source = data_url("image/png", &picture.png);
-    let frame = report.last_frame_name().map_or(String::new(), |frame| format!(", {frame}"));
-    let caption = format!("{}{frame}", picture.caption);
+    let caption = picture.caption.clone() + &report.last_frame_suffix();
     let attributes = [("src", source.as_str()), ("alt", &caption), ("width", &width), ("height", &height)];
     let scale = picture.largest.map_or(Html::default(), scale);
     el("figure", &[], [el("img", &attributes, []), el("figcaption", &[], [text(&caption), scale])])

@@ -158,10 +158,10 @@ impl Report {
         self.cycles_of_frames().len() as u64
     }
 
-    /// Returns the name of the last frame among several, such as "frame 3 of 3"; `None` if there is one image only.
-    pub fn last_frame_name(&self) -> Option<String> {
+    /// Returns the end of a caption that names the last frame among several, such as ", frame 3 of 3"; empty if there is one image only.
+    pub fn last_frame_suffix(&self) -> String {
         let images = self.image.len();
-        (images > 1).then(|| format!("frame {images} of {images}"))
+        if images > 1 { format!(", frame {images} of {images}") } else { String::new() }
     }
 
     /// Returns the render cycles of each finished frame: those of its pictures together.
