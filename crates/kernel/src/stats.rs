@@ -204,6 +204,13 @@ impl UnitStats {
         self.piece(Hardware { ports: 2, ..table });
     }
 
+    /// Reports a buffer of `count` lines that gather writes: `content` bits and the number of the line in each. A write searches all lines
+    /// at once, so each line compares its number (assumed: as fully associative write buffers of the time).
+    pub fn gathered_lines(&mut self, count: u32, content: u32, number: u32) {
+        self.hardware(HardwareKind::Table, "gathered lines", count, content + number);
+        self.hardware(HardwareKind::Adder, "whether a line is gathered", count, number);
+    }
+
     fn piece(&mut self, piece: Hardware) {
         if piece.count > 0 && piece.width > 0 {
             self.hardware.push(piece);

@@ -98,7 +98,7 @@ impl DeferredRenderer {
                     "reference-buffer",
                     ReferenceBuffer::new(engine.clone(), mode, format.bytes, sizes).shown_to(onlooker),
                 ),
-                identification: Stage::new("identification", Identification::new(engine.clone(), sizes)),
+                identification: Stage::new("identification", Identification::new(engine.clone(), mode, sizes)),
                 tile_lists: Stage::new("tile-lists", TileLists::new(engine.clone(), mode, c.tile.order, sizes, leaving.clone())),
                 rasterization: Stage::new("final-rasterization", Rasterization::new(engine, mode, leaving, format, sizes)),
                 pixel_buffer: Stage::new("pixel-buffer", PixelBuffer::new(c.frame_buffer, &c.display, shared)),

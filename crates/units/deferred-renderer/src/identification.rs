@@ -1,7 +1,7 @@
 //! Identification of tiles (461), Figures 5A and 5B.
 
 use crate::cell::split_depth;
-use crate::config::EngineConfig;
+use crate::config::{EngineConfig, RenderMode};
 use crate::tokens::{CellBlock, MarkFlow, PassFlow, TileMark, TileMarks};
 use crate::{ReferenceCell, TableSizes, TexturePage, interpolators, twin_tables};
 use basrelief_kernel::stats::UnitStats;
@@ -71,11 +71,13 @@ pub struct IdentificationState {
     pub counters: IdentificationCounters,
 }
 
-/// Identification (461): marks the tiles that the pixels of the reference buffer (126) need.
+/// Identification (461): marks the tiles that the pixels of the reference buffer (126) need. Only the mode of best resolution uses it, so
+/// a device of another mode has no operators for it.
 #[derive(Clone, Debug)]
 pub struct Identification {
     /// Parameters.
     pub config: EngineConfig,
+    mode: RenderMode,
     sizes: TableSizes,
     /// State between steps.
     pub state: IdentificationState,
@@ -83,8 +85,8 @@ pub struct Identification {
 
 impl Identification {
     /// Creates the unit in its power-on state.
-    pub fn new(config: EngineConfig, sizes: TableSizes) -> Self {
-        Self { config, sizes, state: IdentificationState::default() }
+    pub fn new(config: EngineConfig, mode: RenderMode, sizes: TableSizes) -> Self {
+        Self { config, mode, sizes, state: IdentificationState::default() }
     }
 
     /// Runs Figure 5A for every textured pixel of a block. Returns its token, and the number of layers tested.
@@ -146,9 +148,10 @@ impl Unit for Identification {
 
     fn report_stats(&self, stats: &mut UnitStats) {
         stats.figure("tiles_marked", self.state.counters.marked, "tiles", "Tiles marked, each time");
-        self.sizes.tell_block(stats);
-        self.sizes.tell_pages(&self.config, stats);
-        interpolators::tell_find(self.config.scan_rate, stats);
-        interpolators::tell_marks(self.sizes, stats);
+        if self.mode == RenderMode::Best {
+            self.sizes.tell_block(stats);
+            interpolators::tell_find(self.config.scan_rate, stats);
+            interpolators::tell_marks(self.sizes, stats);
+        }
     }
 }

@@ -328,7 +328,7 @@ impl Unit for ReferenceBuffer {
         let bytes = self.state.cells.len() as u64 * u64::from(self.cell_bytes);
         stats.figure("reference_buffer_bytes", bytes, "bytes", "Memory that its cells take");
         stats.flags("flags of clear blocks", self.flags(), self.config.flags_per_cycle);
-        stats.hardware(HardwareKind::Table, "gathered blocks", self.config.write_lines, self.sizes.gathered_bits());
+        self.sizes.tell_gathered(self.config.write_lines, stats);
         stats.hardware(HardwareKind::Adder, "place and number of a block", 4_u32, 32);
         self.sizes.tell_block(stats);
     }

@@ -4,6 +4,7 @@ use crate::config::{CellConfig, EngineConfig, RenderMode, TileOrder, WRAP_BITS};
 use crate::page::PyramidCut;
 use basrelief_kernel::HardwareKind;
 use basrelief_kernel::stats::UnitStats;
+use basrelief_signals::LINE_NUMBER;
 
 /// Longest side of a texture \[texels\].
 const LONGEST_SIDE: u32 = 16_384;
@@ -52,10 +53,12 @@ impl TableSizes {
     }
 
     /// Reports the tables of the two units that find texels of pages. Both passes over the reference buffer (126) use them, one after
-    /// the other, so one copy suffices. It has a port per layer that the faster of them looks up in a cycle. The tables hold: Dmax
-    /// (133), position and size of each page; width, height, tile pitch (138) and tile base (140) of each layer.
-    pub(crate) fn tell_pages(self, config: &EngineConfig, stats: &mut UnitStats) {
-        let ports = config.scan_rate.max(config.interpolation_rate);
+    /// the other, so one copy suffices. It has a port per layer that the faster of them looks up in a cycle. The conventional mode has no
+    /// search for layers. The tables hold: Dmax (133), position and size of each page; width, height, tile pitch (138) and tile base
+    /// (140) of each layer.
+    pub(crate) fn tell_pages(self, config: &EngineConfig, mode: RenderMode, stats: &mut UnitStats) {
+        let searched = if mode == RenderMode::Conventional { 0 } else { config.scan_rate };
+        let ports = searched.max(config.interpolation_rate);
         let pages = 1_u64 << self.page_bits;
         stats.ported_table("pages (132): Dmax (133), place, size", pages, 5 + ADDRESS + 2 * SIDE, ports);
         let layer = 2 * SIDE + SIDE + ADDRESS;
@@ -67,9 +70,9 @@ impl TableSizes {
         stats.hardware(HardwareKind::Registers, "block of cells", BLOCK_CELLS, self.cell_bits);
     }
 
-    /// Returns the bits of a gathered block: its cells, its number, and its mask.
-    pub(crate) fn gathered_bits(self) -> u32 {
-        BLOCK_CELLS * (1 + self.cell_bits) + ADDRESS
+    /// Reports `count` blocks of cells that gather writes. Each holds cells and a mask of written cells.
+    pub(crate) fn tell_gathered(self, count: u32, stats: &mut UnitStats) {
+        stats.gathered_lines(count, BLOCK_CELLS * (1 + self.cell_bits), LINE_NUMBER);
     }
 
     /// Reports the tile load lists (136), in words of `engine.list_rate` tiles. If tiles are requested in an order, it includes the keys of
@@ -78,6 +81,9 @@ impl TableSizes {
     /// The lists have a port for reading and a port for writing, because each mark changes the state of its tile. Four more ports read the
     /// sources of a word of tiles, which are four words. In the progressive mode, the search of Figure 7B reads up to `engine.scan_rate`
     /// words per cycle.
+    ///
+    /// In the order of the lists, the tiles to acquire have no table of their own: the circuit could request each tile when it finds it
+    /// in state L. It would then need no more cycles than the unit takes, which finds all tiles before the first request.
     pub(crate) fn tell_lists(self, config: &EngineConfig, mode: RenderMode, order: TileOrder, stats: &mut UnitStats) {
         let (tiles, rate) = (self.tiles, config.list_rate);
         let searched = if mode == RenderMode::Progressive { config.scan_rate } else { 0 };

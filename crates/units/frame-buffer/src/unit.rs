@@ -3,7 +3,7 @@
 use crate::config::{DisplayConfig, FrameBufferConfig};
 use crate::state::{FinishedFrame, FrameBufferState};
 use basrelief_kernel::stats::UnitStats;
-use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
+use basrelief_kernel::{Demand, MemoryPorts, Step, Unit};
 use basrelief_signals::width::COLOR;
 use basrelief_signals::{
     ColorToken, Control, Flow, Frame, GatheredLines, LINE_NUMBER, LINE_PIXELS, Pixel, Stamp, layout, line_of, lines,
@@ -184,10 +184,8 @@ impl<T: ColorToken> Unit for FrameBuffer<T> {
     }
 
     fn report_stats(&self, stats: &mut UnitStats) {
-        // Colours, mask of written pixels, number of the line in the picture.
-        let line = LINE_PIXELS * (COLOR + 1) + LINE_NUMBER;
-        stats.hardware(HardwareKind::Table, "gathered lines", self.config.write_lines, line);
-        stats.hardware(HardwareKind::Adder, "whether a line is gathered", self.config.write_lines, LINE_NUMBER);
+        // Colours, and a mask of written pixels.
+        stats.gathered_lines(self.config.write_lines, LINE_PIXELS * (COLOR + 1), LINE_NUMBER);
         let flags = if self.config.clear_flags { self.config.flags } else { 0 };
         stats.flags("flags of clear lines", flags, self.config.flags_per_cycle);
         let c = &self.state.counters;

@@ -2,7 +2,7 @@
 
 use crate::config::DepthConfig;
 use basrelief_kernel::stats::UnitStats;
-use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperatorCounts, Operators, Step, Unit, UnitTable};
+use basrelief_kernel::{Demand, MemoryPorts, OperatorCounts, Operators, Step, Unit, UnitTable};
 use basrelief_signals::{
     Control, DepthToken, Flow, Frame, GatheredLines, LINE_NUMBER, LINE_PIXELS, LineFlags, layout, line_of, lines,
 };
@@ -114,10 +114,8 @@ impl<T: DepthToken> DepthTest<T> {
 
     fn tell_hardware(&self, stats: &mut UnitStats) {
         stats.operators("depth", COMPARISON, self.z_bits);
-        // Depth values, mask of written pixels, number of the line in the picture.
-        let line = LINE_PIXELS * (self.z_bits + 1) + LINE_NUMBER;
-        stats.hardware(HardwareKind::Table, "gathered lines", self.config.write_lines, line);
-        stats.hardware(HardwareKind::Adder, "whether a line is gathered", self.config.write_lines, LINE_NUMBER);
+        // Depth values, and a mask of written pixels.
+        stats.gathered_lines(self.config.write_lines, LINE_PIXELS * (self.z_bits + 1), LINE_NUMBER);
         let flags = if self.config.clear_flags { self.config.flags } else { 0 };
         stats.flags("flags of clear lines", flags, self.config.flags_per_cycle);
     }

@@ -266,6 +266,7 @@ impl Unit for Rasterization {
         stats.figure("most_pictures_per_frame", c.most_pictures, "pictures", "Most pictures of a frame");
         crate::layer_figures::tell(self.pages(), stats);
         self.sizes.tell_block(stats);
+        self.sizes.tell_pages(&self.config, self.mode, stats);
         interpolators::tell_find(self.found_layers(), stats);
         interpolators::tell_interpolate(self.config.interpolation_rate, stats);
         interpolators::tell_average(self.config.average_rate, stats);

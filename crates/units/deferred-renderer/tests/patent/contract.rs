@@ -156,8 +156,10 @@ fn wires(mode: RenderMode) -> Wires {
     let (marking, colouring): (Vec<_>, Vec<_>) =
         drive(reference_buffer(mode), two(cell_flow.clone(), rounds.clone())).into_iter().unzip();
     let [marking, colouring] = [marking, colouring].map(|tokens| tokens.into_iter().flatten().collect::<Vec<_>>());
-    let marks: Vec<_> =
-        drive(Identification::new(engine(), TableSizes::default()), one(marking.clone())).into_iter().flatten().collect();
+    let marks: Vec<_> = drive(Identification::new(engine(), RenderMode::Best, TableSizes::default()), one(marking.clone()))
+        .into_iter()
+        .flatten()
+        .collect();
     let (requests, orders): (Vec<_>, Vec<_>) =
         drive(tile_lists(mode), two(marks.clone(), improvements.clone())).into_iter().unzip();
     let asked = |request: TileRequest| {
@@ -283,7 +285,7 @@ fn reference_buffer_evicts_lru_block_and_flushes_at_end() {
 
 unit_contract! {
     name: identification,
-    unit: Identification::new(engine(), TableSizes::default()),
+    unit: Identification::new(engine(), RenderMode::Best, TableSizes::default()),
     inputs: wires(RenderMode::Best).marking,
     state,
 }

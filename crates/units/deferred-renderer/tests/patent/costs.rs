@@ -176,7 +176,8 @@ fn final_rasterization_pays_for_figure_7b_search() {
 #[test]
 fn identification_takes_a_cycle_per_scanned_layer() {
     let occupancy = |scan_rate, depth: f32| {
-        let mut unit = Identification::new(EngineConfig { scan_rate, ..EngineConfig::default() }, TableSizes::default());
+        let mut unit =
+            Identification::new(EngineConfig { scan_rate, ..EngineConfig::default() }, RenderMode::Best, TableSizes::default());
         unit.state.pages.push(page([512, 512], [64, 64]));
         let mut block = CellBlock { mask: u16::MAX, ..CellBlock::default() };
         block.cells = [ReferenceCell::textured(0, [10.0, 10.0], depth, [255; 3]); 16];

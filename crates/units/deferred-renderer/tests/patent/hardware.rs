@@ -1,8 +1,8 @@
 //! Tables of the units follow from the rates at which they are accessed.
 
 use basrelief_deferred_renderer::{
-    CellConfig, CellFormat, EngineConfig, Identification, PyramidCut, Rasterization, RenderMode, TableSizes, TileLists,
-    TileOrder, ViewpointEnds,
+    CellConfig, CellFormat, EngineConfig, Identification, PyramidCut, Rasterization, ReferenceBuffer, RenderMode, TableSizes,
+    TileLists, TileOrder, ViewpointEnds,
 };
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Hardware, Unit};
@@ -22,6 +22,12 @@ fn table(unit: &impl Unit, about: &str) -> (u64, u32, u32) {
 
 fn sizes(cut: PyramidCut, engine: &EngineConfig) -> TableSizes {
     TableSizes::new(&CellConfig::default(), cut, engine)
+}
+
+/// Returns the final rasterization of a device.
+fn rasterization(engine: EngineConfig, mode: RenderMode, cut: PyramidCut) -> Rasterization {
+    let (format, sizes) = (CellFormat::new(&CellConfig::default(), 1.0), sizes(cut, &engine));
+    Rasterization::new(engine, mode, ViewpointEnds::default(), format, sizes)
 }
 
 #[test]
@@ -44,9 +50,9 @@ fn tile_lists_have_a_port_per_access() {
 #[test]
 fn layer_table_ends_at_largest_dmax() {
     let rows = |most_depth| {
-        let engine = EngineConfig::default();
-        let sizes = sizes(PyramidCut { most_depth, ..PyramidCut::default() }, &engine);
-        ["pages (132)", "layers: size"].map(|about| table(&Identification::new(engine.clone(), sizes), about).0)
+        let cut = PyramidCut { most_depth, ..PyramidCut::default() };
+        let unit = rasterization(EngineConfig::default(), RenderMode::Best, cut);
+        ["pages (132)", "layers: size"].map(|about| table(&unit, about).0)
     };
     // 2,048 pages. A texture of 16,384 texels has 256 tiles of 64 in a row, so 9 layers.
     assert_eq!([0, 3, 8, 31].map(rows), [1, 4, 9, 9].map(|layers| [2_048, 2_048 * layers]));
@@ -54,20 +60,48 @@ fn layer_table_ends_at_largest_dmax() {
 
 #[test]
 fn page_tables_have_a_port_per_layer_of_a_cycle() {
-    let ports = |scan_rate, interpolation_rate| {
+    let ports = |scan_rate, interpolation_rate, mode| {
         let engine = EngineConfig { scan_rate, interpolation_rate, ..EngineConfig::default() };
-        let sizes = sizes(PyramidCut::default(), &engine);
-        ["pages (132)", "layers: size"].map(|about| table(&Identification::new(engine.clone(), sizes), about).2)
+        let unit = rasterization(engine, mode, PyramidCut::default());
+        ["pages (132)", "layers: size"].map(|about| table(&unit, about).2)
     };
-    assert_eq!([ports(1, 1), ports(16, 2), ports(2, 4)], [[1; 2], [16; 2], [4; 2]]);
+    for mode in [RenderMode::Best, RenderMode::Progressive] {
+        assert_eq!([[1, 1], [16, 2], [2, 4]].map(|[scan, between]| ports(scan, between, mode)), [[1; 2], [16; 2], [4; 2]]);
+    }
+    assert_eq!(ports(16, 2, RenderMode::Conventional), [2; 2], "nothing is searched");
+}
+
+#[test]
+fn modes_without_identification_have_no_operators_for_it() {
+    let operators = |mode| {
+        let engine = EngineConfig::default();
+        let sizes = sizes(PyramidCut::default(), &engine);
+        let mut stats = UnitStats::default();
+        Identification::new(engine, mode, sizes).report_stats(&mut stats);
+        stats.all_hardware().len()
+    };
+    assert!(operators(RenderMode::Best) > 0);
+    assert_eq!([RenderMode::Progressive, RenderMode::Conventional].map(operators), [0; 2]);
+}
+
+#[test]
+fn each_gathered_block_has_a_comparator() {
+    let comparators = |write_lines| {
+        let engine = EngineConfig { write_lines, ..EngineConfig::default() };
+        let sizes = sizes(PyramidCut::default(), &engine);
+        let buffer = ReferenceBuffer::new(engine, RenderMode::Best, 8, sizes);
+        let [lines, search] = ["gathered lines", "whether a line is gathered"].map(|about| piece(&buffer, about));
+        (lines.count, lines.width - 16 * (sizes.cell_bits + 1), search.count, search.width)
+    };
+    // A block has 4 x 4 cells. Both store and comparators hold the number of a block among 2^20.
+    assert_eq!([1, 8].map(comparators), [(1, 20, 1, 20), (8, 20, 8, 20)]);
 }
 
 #[test]
 fn progressive_search_has_multipliers_of_its_rate() {
     let multipliers = |mode| {
         let engine = EngineConfig { scan_rate: 4, interpolation_rate: 2, ..EngineConfig::default() };
-        let (format, sizes) = (CellFormat::new(&CellConfig::default(), 1.0), sizes(PyramidCut::default(), &engine));
-        piece(&Rasterization::new(engine, mode, ViewpointEnds::default(), format, sizes), "texels and tiles").count
+        piece(&rasterization(engine, mode, PyramidCut::default()), "texels and tiles").count
     };
     // Four products place a pixel, and one finds its tile.
     assert_eq!([RenderMode::Best, RenderMode::Progressive].map(multipliers), [2 * 5, 4 * 5]);
