@@ -9,10 +9,10 @@
 //! - While the window is full, no other burst comes into view before the choice is served.
 //! - Once the oldest burst has been passed over `cap` times, it is next in any case.
 
+use crate::burst::Burst;
 use crate::counts::{ChannelCounts, RowOutcome};
 use crate::memory_events::{ChannelEvents, EventBounds, MemoryEvent, closed_at};
 use crate::{Cycle, MemoryConfig};
-pub(crate) use burst::Burst;
 use command_bus::CommandBus;
 use timing::{Bank, CLOSED, ChannelTiming, ColumnCommand};
 
@@ -365,7 +365,6 @@ fn class(QueuedBurst { burst, .. }: &QueuedBurst, bank: &Bank) -> u64 {
     1_u64.unbounded_shl(burst.bank * 4 + u32::from(burst.write) * 2 + u32::from(is_open))
 }
 
-mod burst;
 mod command_bus;
 mod run;
 #[cfg(test)]

@@ -270,6 +270,7 @@
 mod account;
 mod area;
 mod bound_stage;
+mod burst;
 mod cache;
 mod cached;
 mod capacity;

@@ -1,6 +1,7 @@
 //! Memories (law 4): requests of several ports, in order, become bursts of several channels.
 
-use crate::channel::{Burst, Channel, ServedBurst};
+use crate::burst::Burst;
+use crate::channel::{Channel, ServedBurst};
 use crate::client::Client;
 use crate::counts::{BusActivity, ChannelCounts, RowOutcome};
 use crate::diagram::MemoryTopology;

@@ -1,7 +1,7 @@
 //! Events of memories, kept for a probe until they are settled. Without a probe this costs nothing: each check is part of a check
 //! that is needed anyway.
 
-use crate::channel::Burst;
+use crate::burst::Burst;
 use crate::counts::RowOutcome;
 use crate::{CacheCounts, Cycle};
 use std::collections::VecDeque;

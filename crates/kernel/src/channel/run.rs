@@ -1,7 +1,8 @@
 //! Service of reads of one row that arrive together.
 
-use super::{Burst, Channel, QueuedBurst};
+use super::{Channel, QueuedBurst};
 use crate::Cycle;
+use crate::burst::Burst;
 use crate::counts::RowOutcome;
 
 /// Served reads of one row.

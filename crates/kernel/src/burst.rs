@@ -1,4 +1,4 @@
-//! Bursts.
+//! Bursts of memory channels.
 
 use crate::Cycle;
 
