@@ -1,18 +1,13 @@
 //! Run of one point.
 
-use crate::figures::{ReportFigure, figures};
 use crate::folder::PointFailure;
-use crate::plan::{Plan, PlanPoint};
-use crate::{OpenedInput, SweepError, SweepHost};
+use crate::plan::{Plan, PlanPoint, run_options};
+use crate::{SweepError, SweepHost};
 use basrelief_input::MemoryReservation;
 use basrelief_reference::RgbPicture;
 use basrelief_report::Report;
 use basrelief_report::model::OutcomeKind;
-use basrelief_signals::{Frame, Scene};
-use basrelief_sim::{
-    AnalysisPolicy, FramePictures, MachineConfig, NoObserver, Observer, RunError, RunInput, RunOptions, doc_trace, run,
-};
-use std::sync::Arc;
+use basrelief_sim::{AnalysisPolicy, FramePictures, Observer, RunError, RunOptions, run};
 
 /// Result of the run of a point.
 pub(crate) struct PointResult {
@@ -67,7 +62,7 @@ pub(crate) fn run_point(
         recording: if recording { AnalysisPolicy::Always } else { AnalysisPolicy::Never },
         overrides: plan.overrides_of(&point.places),
         exact: plan.exact,
-        ..options(config, plan.max_cycles, host)
+        ..run_options(config, plan.max_cycles, host)
     };
     let mut watch = PointObserver {
         host,
@@ -86,10 +81,6 @@ pub(crate) fn run_point(
         Ok(run) => PointResult { report: Err(incomplete(&run.report)), png: None, recording: None },
         Err(error) => PointResult { report: Err(of_error(&error)), png: None, recording: None },
     })
-}
-
-fn options(config: MachineConfig, max_cycles: u64, host: &dyn SweepHost) -> RunOptions {
-    RunOptions { config, max_cycles, budget: host.budget().clone(), ..RunOptions::default() }
 }
 
 fn failure(outcome: &str, message: String) -> PointFailure {
@@ -114,35 +105,10 @@ fn of_error(error: &RunError) -> PointFailure {
     failure(outcome, error.to_string())
 }
 
-/// Maximum number of cycles of the trial run. Its few pixels take fewer, even over the slowest path. Waiting cycles take no host time.
-const REHEARSAL: u64 = 1 << 40;
-/// Size of its picture \[pixels\].
-const SMALL: (u32, u32) = (16, 12);
-
-/// Returns the figures of the plan's reports, from a run of its first valid point with a small picture. Returns `None` if no such run
-/// gives a report.
-pub(crate) fn run_small(plan: &Plan, host: &dyn SweepHost) -> Option<Vec<ReportFigure>> {
-    let fits = |point: &&PlanPoint| plan.config(&point.places).is_ok_and(|config| config.check().is_ok());
-    let config = plan.points.iter().find(fits).and_then(|point| plan.config(&point.places).ok());
-    config.into_iter().chain([plan.machine.default_config()]).find_map(|config| {
-        let source = match &plan.inputs.first()?.opened {
-            OpenedInput::Scene(prepared) => RunInput::scene(Arc::new(small_scene(prepared.scene())?)),
-            OpenedInput::Trace => RunInput::trace(std::io::Cursor::new(doc_trace()), "quad.dl.jsonl"),
-        };
-        let run = run(source, &options(config, REHEARSAL, host), &mut NoObserver, None).ok()?;
-        serde_json::to_value(&run.report).ok().map(|report| figures(&report))
-    })
-}
-
-/// The first frame of a scene as a small picture.
-fn small_scene(scene: &Scene) -> Option<Scene> {
-    let frame = Frame { width: SMALL.0, height: SMALL.1, ..(**scene.frames.first()?).clone() };
-    Some(Scene { frames: vec![Arc::new(frame)], ..scene.clone() })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use basrelief_sim::{NoObserver, RunInput, doc_trace};
 
     #[test]
     fn incomplete_run_has_outcome_and_message() {

@@ -7,15 +7,16 @@ mod exclusion;
 mod identity;
 mod points;
 mod schema;
+mod trial;
 mod views;
 mod written;
 
 pub use axes::Axis;
 pub use definition::{Plan, PlanInput, PlanPoint};
 pub use schema::plan_schema;
+pub(crate) use trial::run_options;
 
 use crate::figures::{ReportFigure, first_frame, no_figure, path_of};
-use crate::one;
 use crate::{OpenedInput, SweepError, SweepHost};
 use basrelief_parameters::{ConfigError, FieldPositions, TomlFault};
 use basrelief_sim::{ConfigLoader, MachineInfo, Overrides, RunOptions, input_sha256};
@@ -63,7 +64,7 @@ impl Plan {
     pub fn read(text: &str, host: &dyn SweepHost) -> Result<Self, SweepError> {
         let at_line = |fault: TomlFault| SweepError(fault.at_line(text));
         let mut plan = Self::parse(text, host).map_err(at_line)?;
-        let known = one::run_small(&plan, host);
+        let known = trial::run_small(&plan, host);
         plan.check_figures(known.as_deref()).map_err(at_line)?;
         Ok(plan)
     }
