@@ -38,6 +38,67 @@ fn control(wire: &mut WireFields, frame: Option<&Arc<Frame>>, page: Option<u16>)
     wire.setup("height", COORDINATE, frame.map(|frame| frame.height));
 }
 
+/// Content of a token of cells or control.
+enum FlowContent<'a, T> {
+    Frame(&'a Arc<Frame>),
+    Page(u16),
+    Cells(&'a T),
+    /// Control without data, as the token numbers it.
+    Other(u32),
+}
+
+impl<'a> From<&'a CellFlow> for FlowContent<'a, Stamp<PlacedCell>> {
+    fn from(flow: &'a CellFlow) -> Self {
+        match flow {
+            CellFlow::Frame(frame) => Self::Frame(frame),
+            CellFlow::Page(page) => Self::Page(page.number),
+            CellFlow::Cells(cells) => Self::Cells(cells),
+            CellFlow::FrameEnd => Self::Other(3),
+        }
+    }
+}
+
+impl<'a> From<&'a PassFlow> for FlowContent<'a, CellBlock> {
+    fn from(flow: &'a PassFlow) -> Self {
+        match flow {
+            PassFlow::Frame(frame) => Self::Frame(frame),
+            PassFlow::Page(page) => Self::Page(page.number),
+            PassFlow::Cells(block) => Self::Cells(block),
+            PassFlow::Begin => Self::Other(3),
+            PassFlow::End => Self::Other(4),
+        }
+    }
+}
+
+impl<T: BitWidth> FlowContent<'_, T> {
+    /// Lists the kind of content, `bits` wide, and then the content.
+    fn fields(content: Option<Self>, bits: u32, widths: &SignalWidths, wire: &mut WireFields) {
+        let kind = content.as_ref().map(|content| match content {
+            Self::Frame(_) => 0,
+            Self::Page(_) => 1,
+            Self::Cells(_) => 2,
+            Self::Other(kind) => *kind,
+        });
+        let (cells, frame, page) = match content {
+            Some(Self::Cells(cells)) => (Some(cells), None, None),
+            Some(Self::Frame(frame)) => (None, Some(frame), None),
+            Some(Self::Page(page)) => (None, None, Some(page)),
+            Some(Self::Other(_)) | None => (None, None, None),
+        };
+        wire.number("kind", bits, kind);
+        wire.one_of(&mut [&mut |wire| control(wire, frame, page), &mut |wire| T::fields(cells, widths, wire)]);
+    }
+
+    fn attribution(self) -> Attribution {
+        match self {
+            Self::Frame(frame) => Attribution::frame(frame),
+            Self::Page(_) => Attribution::Inherited,
+            Self::Cells(cells) => cells.attribution(),
+            Self::Other(_) => Attribution::Whole,
+        }
+    }
+}
+
 /// Marks that travel side by side.
 const MARKS: usize = 4;
 /// Marks of a token on recorded wires. A block has more marks only if its pixels need more tiles.
@@ -66,32 +127,11 @@ impl BitWidth for PlacedCell {
 /// Cells or control. Two bits distinguish them.
 impl BitWidth for CellFlow {
     fn fields(token: Option<&Self>, widths: &SignalWidths, wire: &mut WireFields) {
-        let (cells, frame, page) = match token {
-            Some(Self::Cells(cells)) => (Some(cells), None, None),
-            Some(Self::Frame(frame)) => (None, Some(frame), None),
-            Some(Self::Page(page)) => (None, None, Some(page.number)),
-            _ => (None, None, None),
-        };
-        wire.number(
-            "kind",
-            2,
-            token.map(|flow| match flow {
-                Self::Frame(_) => 0_u32,
-                Self::Page(_) => 1,
-                Self::Cells(_) => 2,
-                Self::FrameEnd => 3,
-            }),
-        );
-        wire.one_of(&mut [&mut |wire| control(wire, frame, page), &mut |wire| Stamp::fields(cells, widths, wire)]);
+        FlowContent::fields(token.map(FlowContent::from), 2, widths, wire);
     }
 
     fn attribution(&self) -> Attribution {
-        match self {
-            Self::Frame(frame) => Attribution::frame(frame),
-            Self::Page(_) => Attribution::Inherited,
-            Self::Cells(cells) => cells.attribution(),
-            Self::FrameEnd => Attribution::Whole,
-        }
+        FlowContent::from(self).attribution()
     }
 }
 
@@ -110,35 +150,14 @@ impl BitWidth for CellBlock {
     }
 }
 
+/// Cells or control. Three bits distinguish them.
 impl BitWidth for PassFlow {
     fn fields(token: Option<&Self>, widths: &SignalWidths, wire: &mut WireFields) {
-        let (cells, frame, page) = match token {
-            Some(Self::Cells(cells)) => (Some(cells), None, None),
-            Some(Self::Frame(frame)) => (None, Some(frame), None),
-            Some(Self::Page(page)) => (None, None, Some(page.number)),
-            _ => (None, None, None),
-        };
-        wire.number(
-            "kind",
-            3,
-            token.map(|flow| match flow {
-                Self::Frame(_) => 0_u32,
-                Self::Page(_) => 1,
-                Self::Cells(_) => 2,
-                Self::Begin => 3,
-                Self::End => 4,
-            }),
-        );
-        wire.one_of(&mut [&mut |wire| control(wire, frame, page), &mut |wire| CellBlock::fields(cells, widths, wire)]);
+        FlowContent::fields(token.map(FlowContent::from), 3, widths, wire);
     }
 
     fn attribution(&self) -> Attribution {
-        match self {
-            Self::Frame(frame) => Attribution::frame(frame),
-            Self::Page(_) => Attribution::Inherited,
-            Self::Begin | Self::End => Attribution::Whole,
-            Self::Cells(block) => block.attribution(),
-        }
+        FlowContent::from(self).attribution()
     }
 }
 
