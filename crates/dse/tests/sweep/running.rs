@@ -292,6 +292,6 @@ fn ten_thousand_points_are_checked_found_and_resumed_at_once() {
     let seconds = began.elapsed().as_secs_f64();
     println!("{} points checked, found and resumed in {seconds:.2} s", plan.points.len());
     assert_eq!((plan.points.len(), tally.existing, tally.run), (10_000, 10_000, 0));
-    // Less than 1 s when built for release; here, for debugging and beside other tests, ten times that is no mistake.
-    assert!(seconds < 20.0, "{seconds} s");
+    // Less than 1 s when built for release. Here, for debugging and beside other work, sixty times that is no mistake.
+    assert!(seconds < 60.0, "{seconds} s");
 }

@@ -209,11 +209,11 @@ fn units_behind_the_path_report_their_hardware() {
     let of = |unit: &str| facts.all_hardware().iter().filter(|h| h.place == unit).collect::<Vec<_>>();
     let holds = |unit: &str, kind| of(unit).iter().filter(|h| h.kind == kind).map(|h| h.bits()).sum::<u64>();
     let counts = |unit: &str, kind| of(unit).iter().filter(|h| h.kind == kind).map(|h| h.count).sum::<u64>();
-    let computes =
-        ["expander", "cells", "reference-buffer", "identification", "tile-lists", "final-rasterization", "pixel-buffer"];
+    let computes = ["expander", "cells", "reference-buffer", "tile-lists", "final-rasterization", "pixel-buffer"];
     for unit in computes {
         assert!(counts(unit, HardwareKind::Adder) > 0, "{unit}");
     }
+    assert!(of("identification").is_empty(), "only the mode of best resolution uses it");
     let tile = 64 * 64 * 24;
     assert_eq!(holds("path", HardwareKind::Table), 8 * tile, "one receive buffer per request in flight");
     assert_eq!(holds("expander", HardwareKind::LineBuffer), 3 * tile, "two wait, one is expanded");
