@@ -1,9 +1,10 @@
 //! Parser of JSON with errors that name their place in plain words.
 
 use crate::error_text::error_text;
-use crate::json_path::JsonPath;
+use crate::json_path::{JsonPath, JsonStep};
 use crate::reject_seq::{FaultTrail, RejectSeqForStruct};
 use serde::de::DeserializeOwned;
+use serde_ignored::Path;
 use serde_json::Deserializer;
 use serde_json::de::Read;
 
@@ -38,10 +39,46 @@ pub fn from_slice<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, JsonFault> {
     read(Deserializer::from_slice(bytes), bytes)
 }
 
+/// Parses like [`from_str`], and passes on the path of each key that the type does not have.
+///
+/// # Errors
+/// Errors of [`from_str`].
+pub fn from_str_with_ignored<T: DeserializeOwned>(text: &str, ignored: &mut dyn FnMut(JsonPath)) -> Result<T, JsonFault> {
+    let trail = FaultTrail::default();
+    let mut json = Deserializer::from_str(text);
+    let mut pass_on = |path: Path<'_>| ignored(path_of(&path));
+    let strict = RejectSeqForStruct(&mut json, &trail);
+    let value = T::deserialize(serde_ignored::Deserializer::new(strict, &mut pass_on));
+    ended(json, value, text.as_bytes(), &trail)
+}
+
+/// Returns the path of an ignored key.
+fn path_of(path: &Path<'_>) -> JsonPath {
+    let (parent, step) = match path {
+        Path::Root => return JsonPath::default(),
+        Path::Seq { parent, index } => (parent, Some(JsonStep::Item(*index))),
+        Path::Map { parent, key } => (parent, Some(JsonStep::Key(key.clone()))),
+        Path::Some { parent } | Path::NewtypeStruct { parent } | Path::NewtypeVariant { parent } => (parent, None),
+    };
+    let mut all = path_of(parent);
+    all.0.extend(step);
+    all
+}
+
 fn read<'a, T: DeserializeOwned>(mut json: Deserializer<impl Read<'a>>, text: &[u8]) -> Result<T, JsonFault> {
     let trail = FaultTrail::default();
     let value = T::deserialize(RejectSeqForStruct(&mut json, &trail));
-    value.and_then(|value| json.end().map(|()| value)).map_err(|error| fault(text, &error, &trail))
+    ended(json, value, text, &trail)
+}
+
+/// Returns the value if nothing follows it.
+fn ended<'a, T>(
+    mut json: Deserializer<impl Read<'a>>,
+    value: Result<T, serde_json::Error>,
+    text: &[u8],
+    trail: &FaultTrail,
+) -> Result<T, JsonFault> {
+    value.and_then(|value| json.end().map(|()| value)).map_err(|error| fault(text, &error, trail))
 }
 
 /// Locates an error. Its path follows from its line and column. (A reader that keeps track of the path is slower, so it
@@ -96,6 +133,16 @@ mod tests {
         named: BTreeMap<String, Inner>,
         #[serde(default)]
         choices: Vec<Choice>,
+    }
+
+    #[test]
+    fn keys_that_a_type_does_not_have_are_passed_on() {
+        let mut ignored = Vec::new();
+        let text = r#"{"on": 1, "one": {"a": 1, "B": 2}, "named": {"x": {"a": 1, "c": [{}]}}, "many": [{"a": 1, "d": null}]}"#;
+        let read: Outer = from_str_with_ignored(text, &mut |path| ignored.push(path.to_string())).unwrap();
+        assert_eq!((read, ignored.join(" ")), (from_str(text).unwrap(), "on one.B named.x.c many[0].d".into()));
+        let fault = from_str_with_ignored::<Outer>(r#"{"one": [1, null]}"#, &mut |_| ()).unwrap_err();
+        assert_eq!(fault.path.to_string(), "one");
     }
 
     fn says(text: &str) -> (String, String) {

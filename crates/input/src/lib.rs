@@ -11,7 +11,7 @@ mod weight;
 
 pub use error_text::{TextFormat, plain_message};
 pub use file::{open_in_folder, read_text};
-pub use json::{JsonFault, fault_offset, from_slice, from_str};
+pub use json::{JsonFault, fault_offset, from_slice, from_str, from_str_with_ignored};
 pub use json_path::{JsonPath, JsonStep, field_range};
 pub use memory_pool::{ByteSize, CountedBuffer, MemoryPool, MemoryReservation, OverBudget, read_to_end};
 pub use weight::json_weight;

@@ -19,6 +19,7 @@ mod scene;
 mod skin;
 #[cfg(test)]
 mod tests;
+mod unknown;
 
 use crate::SceneError;
 use crate::camera::rows;
@@ -69,7 +70,7 @@ fn import(
     outside: &ImportContext<'_>,
     warnings: &mut ImportWarnings,
 ) -> Result<ImportedModel, SceneError> {
-    let (document, _held) = parse::parse(json, outside)?;
+    let (document, _held) = parse::parse(json, outside, warnings)?;
     check::check(&document, warnings)?;
     let buffers = GltfBuffers::load(&document, container, outside)?;
     let accessors = AccessorReader::new(&document, &buffers, outside, warnings)?;

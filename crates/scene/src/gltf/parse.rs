@@ -2,12 +2,18 @@
 
 use super::json::GltfDocument;
 use super::other::other_format;
+use super::unknown::is_unknown;
 use crate::SceneError;
+use crate::error::ImportWarnings;
 use crate::outside::ImportContext;
 use basrelief_input::{JsonFault, JsonPath, JsonStep, MemoryReservation, json_weight};
 
-/// Parses the JSON of a glTF file, with its reservation.
-pub(crate) fn parse(bytes: &[u8], outside: &ImportContext<'_>) -> Result<(GltfDocument, MemoryReservation), SceneError> {
+/// Parses the JSON of a glTF file, with its reservation. Warns of keys that glTF does not define.
+pub(crate) fn parse(
+    bytes: &[u8],
+    outside: &ImportContext<'_>,
+    warnings: &mut ImportWarnings,
+) -> Result<(GltfDocument, MemoryReservation), SceneError> {
     if bytes.starts_with(b"\xef\xbb\xbf") {
         return Err(SceneError::at("byte 0", "begins with a byte order mark")
             .expected("JSON text in UTF-8 without one, as glTF demands")
@@ -19,7 +25,12 @@ pub(crate) fn parse(bytes: &[u8], outside: &ImportContext<'_>) -> Result<(GltfDo
             .cure("save the file in UTF-8")
     })?;
     let held = outside.take(json_weight(bytes), "", "its JSON")?;
-    let document = basrelief_input::from_str(text).map_err(|fault| {
+    let mut warn = |path: JsonPath| {
+        if is_unknown(&path) {
+            warnings.add(format!("{}: glTF 2.0 does not define this key, so it is ignored; check its spelling", pointer(&path)));
+        }
+    };
+    let document = basrelief_input::from_str_with_ignored(text, &mut warn).map_err(|fault| {
         let other = if fault.is_data { other_format(text) } else { None };
         other.unwrap_or_else(|| json_error(&fault))
     })?;
@@ -65,7 +76,8 @@ mod tests {
 
     fn parsed(bytes: &[u8], limit: u64) -> Result<GltfDocument, SceneError> {
         let files = MemoryFiles::default();
-        parse(bytes, &ImportContext::new(&files, &MemoryPool::new(limit))).map(|(document, _)| document)
+        parse(bytes, &ImportContext::new(&files, &MemoryPool::new(limit)), &mut ImportWarnings::default())
+            .map(|(document, _)| document)
     }
 
     #[test]

@@ -330,6 +330,31 @@ fn emission_has_neither_vertex_colours_nor_highlight() {
 }
 
 #[test]
+fn keys_that_gltf_does_not_define_are_warnings() {
+    let unknown = |place: &str, value: Value| {
+        let warnings = import(&with(square(), place, value)).unwrap().warnings;
+        let ends = warnings.iter().filter_map(|warning| {
+            warning.strip_suffix(": glTF 2.0 does not define this key, so it is ignored; check its spelling")
+        });
+        ends.map(str::to_owned).collect::<Vec<_>>()
+    };
+    for place in
+        ["/material", "/materials/0/pbrMetallicRoughness/baseColourFactor", "/nodes/3/extensions/KHR_lights_punctual/lamp"]
+    {
+        assert_eq!(unknown(place, json!([1, 0, 0, 1])), [place]);
+    }
+    for (place, value) in [
+        ("/asset/generator", json!("a program")),
+        ("/materials/0/pbrMetallicRoughness/metallicFactor", json!(0)),
+        ("/materials/0/extensions", json!({"KHR_materials_ior": {"ior": 2}})),
+        ("/meshes/0/extras", json!({"anything": [{"at": "all"}]})),
+        ("/animations", json!([{"channels": [], "samplers": []}])),
+    ] {
+        assert_eq!(unknown(place, value), [""; 0], "{place}");
+    }
+}
+
+#[test]
 fn unused_filters_of_samplers_are_one_warning() {
     let unused = "filters of samplers (`magFilter`, `minFilter`) are not used";
     let count = |sampler: Value| {

@@ -110,8 +110,11 @@ pub(super) fn numbers<const N: usize>(text: &[u8], least: usize) -> Result<(usiz
     let mut values = [0.0; N];
     let mut count = 0;
     for (value, word) in values.iter_mut().zip(words(text)) {
-        *value = number(word)
-            .ok_or_else(|| SceneError::at("", format!("`{}`", shown(word))).expected("a finite number of single precision"))?;
+        *value = number(word).ok_or_else(|| {
+            SceneError::at("", format!("`{}`", shown(word)))
+                .expected("a finite number of single precision")
+                .cure("correct it or export the file again")
+        })?;
         count += 1;
     }
     if count < least {
