@@ -126,6 +126,18 @@ fn models_and_demos_are_sized_without_recording() {
 }
 
 #[test]
+fn run_of_a_user_who_acts_at_times_is_not_recorded() {
+    let place = Place::new();
+    fs::write(place.path("views.toml"), "[[views]]\nat_ms = 0\n[[views]]\nat_ms = 5\norbit = 30\n").expect("a file");
+    let run = "demo gallery --size 32x24 --views views.toml --set defer.mode=progressive --no-exact --quiet";
+    let refused = place.run(&format!("{run} --recording a.recording"));
+    assert!(refused.error(2).starts_with("--recording: the user of this run acts at times"), "{}", refused.err);
+    assert!(!place.path("a.recording").exists());
+    place.ok(run);
+    assert!(!place.path("out/run.recording").exists());
+}
+
+#[test]
 fn bad_recordings_and_parameters_are_named() {
     let place = Place::new();
     place.ok(&format!("{RUN} --recording a.recording"));
@@ -136,6 +148,17 @@ fn bad_recordings_and_parameters_are_named() {
         for command in ["resimulate", "size-fifos"] {
             let error = place.run(&format!("{command} {name}"));
             assert!(error.error(1).starts_with(&format!("{name}: not a recording")), "{}", error.err);
+        }
+    }
+    // The checksum of the compression stands at the end of both files.
+    for name in ["a.recording", "out/run.recording"] {
+        let whole = place.bytes(name);
+        let (body, checksum) = whole.split_at(whole.len() - 4);
+        let zeros = [body, &[0; 4]].concat();
+        for (damage, bytes) in [("zeros", &zeros[..]), ("missing", body), ("twice", &[&whole[..], checksum].concat())] {
+            fs::write(place.path("bad.recording"), bytes).expect("a file");
+            let error = place.run("resimulate bad.recording");
+            assert!(error.error(1).starts_with("bad.recording: not a recording"), "{name}, {damage}: {}", error.err);
         }
     }
     let error = |line: &str| place.run(&format!("resimulate a.recording {line}"));

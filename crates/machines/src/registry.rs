@@ -87,6 +87,11 @@ impl MachineConfig {
         for_machine!(self, machine => (machine as &dyn Any).downcast_ref())
     }
 
+    /// Returns true if the user leaves views at given times, so that the work depends on the timing.
+    pub fn acts_at_times(&self) -> bool {
+        for_machine!(self, machine => machine.acts_at_times())
+    }
+
     /// Returns all parameters, in groups as in TOML.
     pub fn to_value(&self) -> Value {
         for_machine!(self, machine => to_json(machine)).unwrap_or_default()

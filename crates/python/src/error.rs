@@ -50,7 +50,7 @@ pub fn of_recording(error: RecordingError) -> CommandError {
 
 /// Makes the error of an invalid recording.
 pub fn not_a_recording() -> CommandError {
-    CommandError::bad_input("not a recording, or truncated; Result.recording is one")
+    CommandError::bad_input("not a recording, or damaged; Result.recording is one")
 }
 
 /// Makes a memory limit for input data.

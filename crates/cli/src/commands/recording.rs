@@ -21,9 +21,7 @@ impl RecordingFile {
     pub fn open(path: &Path) -> CommandResult<Self> {
         let failed = || CommandError::at_file(path, "be written");
         let file = PartialFile::create(path).map_err(failed())?;
-        let mut encoder = zstd::Encoder::new(file, zstd::DEFAULT_COMPRESSION_LEVEL).map_err(failed())?;
-        encoder.include_checksum(true).map_err(failed())?;
-        Ok(Self { path: path.into(), encoder })
+        Ok(Self { path: path.into(), encoder: checked_encoder(file).map_err(failed())? })
     }
 
     /// Appends bytes.
@@ -45,6 +43,13 @@ impl RecordingFile {
     }
 }
 
+/// Returns an encoder that appends a checksum.
+fn checked_encoder<W: Write>(to: W) -> io::Result<zstd::Encoder<'static, W>> {
+    let mut encoder = zstd::Encoder::new(to, zstd::DEFAULT_COMPRESSION_LEVEL)?;
+    encoder.include_checksum(true)?;
+    Ok(encoder)
+}
+
 /// The recording beside a report. It is written only if it is short, and stays in memory, compressed, until the run ends.
 pub struct ShortRecording {
     /// `None` if no recording is wanted, or once it is too long.
@@ -54,9 +59,8 @@ pub struct ShortRecording {
 impl ShortRecording {
     /// Makes an empty recording of a run with this analysis policy.
     pub fn new(limits: AnalysisPolicy) -> CommandResult<Self> {
-        let encoder = || zstd::Encoder::new(Vec::new(), zstd::DEFAULT_COMPRESSION_LEVEL);
-        let encoder = (limits != AnalysisPolicy::Never).then(encoder).transpose().map_err(CommandError::bad_input)?;
-        Ok(Self { encoder })
+        let encoder = (limits != AnalysisPolicy::Never).then(|| checked_encoder(Vec::new())).transpose();
+        Ok(Self { encoder: encoder.map_err(CommandError::bad_input)? })
     }
 
     /// Writes the recording beside the report. Returns false if there is none.
@@ -84,7 +88,8 @@ pub fn place_of(path: &Path) -> PathBuf {
 
 /// Message about a folder without the recording of its run.
 const NO_RECORDING: &str = "expected the recording of a run. Long, functional and incomplete runs, and runs with \
-    --no-bottlenecks, keep none beside the report; `basrelief run INPUT --recording FILE` writes one of any complete run with timing";
+    --no-bottlenecks, keep none beside the report; `basrelief run INPUT --recording FILE` writes one of any complete run with timing, \
+    unless its user acts at times";
 
 /// Opens a recording.
 ///
@@ -117,7 +122,7 @@ pub fn unreadable(name: &str) -> impl Fn(RecordingError) -> CommandError {
     move |error| match error {
         // The decoder reports damage in its own words.
         RecordingError::Read(e) if e.raw_os_error().is_none() => {
-            CommandError::in_input(&name)("not a recording, or truncated; `basrelief run --recording FILE` writes one")
+            CommandError::in_input(&name)("not a recording, or damaged; `basrelief run --recording FILE` writes one")
         }
         _ => CommandError::in_input(&name)(error),
     }

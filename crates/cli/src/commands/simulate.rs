@@ -94,6 +94,7 @@ impl<'a> Simulation<'a> {
     pub fn run(mut self, source: RunSource, around: Option<OneAtATimeBase>) -> CommandResult {
         let RunSource { input, progress, real, watched } = source;
         self.check_outputs_keep_named_files()?;
+        self.check_recording()?;
         // Created before the dumps, which may be in this folder.
         let outputs = OutputFolder::begin(&self.args.out).map_err(CommandError::at_file(&self.args.out, "be written"))?;
         check_distinct(&self.args.out, &named_outputs(self.args)).map_err(CommandError::Usage)?;
@@ -133,6 +134,18 @@ impl<'a> Simulation<'a> {
             watched.finish();
         }
         self.print_report(&report, &names, recording_is_complete)
+    }
+
+    /// Refuses to record a run whose work depends on its timing.
+    fn check_recording(&self) -> CommandResult {
+        if self.args.recording.is_none() || !self.options.config.acts_at_times() {
+            return Ok(());
+        }
+        Err(CommandError::Usage(
+            "--recording: the user of this run acts at times, so a recording serves no other timing; set defer.left_at_tile to the \
+             figures `view_left_at_tile` of the report instead of times, or leave out --recording"
+                .into(),
+        ))
     }
 
     /// Refuses outputs that would overwrite a file that the input names.

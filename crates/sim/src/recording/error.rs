@@ -10,12 +10,15 @@ pub enum RecordingError {
     /// The recording cannot be read.
     #[error(transparent)]
     Read(#[from] io::Error),
-    /// The file is not a recording, or is incomplete.
-    #[error("not a recording: {0}; make one with `basrelief run --recording FILE`")]
+    /// The file is not a recording, or is damaged or incomplete.
+    #[error("not a recording, or damaged: {0}; make one with `basrelief run --recording FILE`")]
     Format(String),
     /// The recorded steps do not belong to this machine.
     #[error(transparent)]
-    Retime(#[from] ResimulateError),
+    Retime(ResimulateError),
+    /// The work of the recorded run depends on its timing.
+    #[error("the user of this run acts at times, so its work depends on its timing; run the machine again instead")]
+    ActsAtTimes,
     /// A parameter that changes the work of the units.
     #[error("`{0}` changes the work of the units, which a recording fixes; run the machine with this parameter instead")]
     Work(String),
@@ -50,4 +53,13 @@ pub enum RecordingError {
     /// The memory limit is exceeded.
     #[error(transparent)]
     OverBudget(#[from] OverBudget),
+}
+
+impl From<ResimulateError> for RecordingError {
+    fn from(error: ResimulateError) -> Self {
+        match error {
+            ResimulateError::Recording(damage) => Self::Format(damage.to_string()),
+            other => Self::Retime(other),
+        }
+    }
 }

@@ -2,8 +2,8 @@
 //!
 //! A recording is the line `basrelief-tape/1`, then blocks. A block is a letter, the length of its content in bytes (32 bits, little
 //! endian), and the content. `H`, the first block, contains the machine and its parameters as JSON. `R` contains a [chunk](RecordingChunk) of
-//! steps. `E`, the last block, contains the untimed result of the run and the SHA-256 of its work as JSON. Compression is outside of
-//! this format.
+//! steps. `E` contains the untimed result of the run and the SHA-256 of its work as JSON. `S`, the last block, contains the SHA-256 of the
+//! contents of `H` and `E`. Recordings of earlier builds may lack it. Compression is outside of this format.
 
 use crate::options::Overrides;
 use crate::run::untimed::UntimedResult;
@@ -77,6 +77,24 @@ impl WorkHash {
     }
 }
 
+/// Length of a SHA-256 \[bytes\].
+pub(super) const SEAL_BYTES: usize = 32;
+
+/// SHA-256 of the header and the end of a recording. The end states the SHA-256 of the work between them.
+pub(crate) struct RecordingSeal(Sha256);
+
+impl RecordingSeal {
+    pub(super) fn of_header(content: &[u8]) -> Self {
+        Self(Sha256::new_with_prefix(content))
+    }
+
+    /// Returns the content of block `S`.
+    pub(super) fn close(mut self, end: &[u8]) -> [u8; SEAL_BYTES] {
+        self.0.update(end);
+        self.0.finalize().into()
+    }
+}
+
 /// Encodes a block.
 pub(super) fn block(letter: u8, content: &[u8]) -> Vec<u8> {
     let mut all = vec![letter];
@@ -85,10 +103,11 @@ pub(super) fn block(letter: u8, content: &[u8]) -> Vec<u8> {
     all
 }
 
-/// Encodes the first line and the header of a recording whose steps `build` of the simulator executed.
-pub(crate) fn header<S: MachineSpec>(build: &str, input: InputKind, overrides: &Overrides) -> Vec<u8> {
+/// Encodes the first line and the header of a recording whose steps `build` of the simulator executed. Returns its seal, too.
+pub(crate) fn header<S: MachineSpec>(build: &str, input: InputKind, overrides: &Overrides) -> (Vec<u8>, RecordingSeal) {
     let header = RecordingHeader { build: build.into(), machine: S::NAME.into(), input, overrides: overrides.clone() };
-    [FIRST_LINE, &block(b'H', &serde_json::to_vec(&header).unwrap_or_default())].concat()
+    let content = serde_json::to_vec(&header).unwrap_or_default();
+    ([FIRST_LINE, &block(b'H', &content)].concat(), RecordingSeal::of_header(&content))
 }
 
 /// Encodes a chunk of steps.
@@ -97,7 +116,12 @@ pub(crate) fn steps(chunk: &RecordingChunk) -> Vec<u8> {
 }
 
 /// Encodes the end of a recording.
-pub(crate) fn end(result: &UntimedResult, figures: Vec<(String, FigureValue)>, work: WorkHash) -> Vec<u8> {
+pub(crate) fn end(result: &UntimedResult, figures: Vec<(String, FigureValue)>, work: WorkHash, seal: RecordingSeal) -> Vec<u8> {
     let end = RecordingEnd { result: result.clone(), figures, work: work.finish() };
-    block(b'E', &serde_json::to_vec(&end).unwrap_or_default())
+    sealed_end(&serde_json::to_vec(&end).unwrap_or_default(), seal)
+}
+
+/// Encodes the last two blocks.
+pub(super) fn sealed_end(content: &[u8], seal: RecordingSeal) -> Vec<u8> {
+    [block(b'E', content), block(b'S', &seal.close(content))].concat()
 }

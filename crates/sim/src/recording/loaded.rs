@@ -32,7 +32,7 @@ pub(crate) struct LoadedRecording {
 impl LoadedRecording {
     /// Reads a recording to its end.
     pub(crate) fn read(reader: &mut dyn Read, budget: &MemoryPool) -> Result<Self, RecordingError> {
-        let mut blocks = BlockReader { reader, budget };
+        let mut blocks = BlockReader::new(reader, budget);
         let (header, machine) = blocks.header()?;
         let mut chunks = ChunkReader::new(blocks, None, None);
         let mut all = Vec::new();

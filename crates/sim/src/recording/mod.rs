@@ -10,7 +10,7 @@ mod resimulation;
 
 pub use error::RecordingError;
 pub use file::Recording;
-pub(crate) use format::{CHUNK_BYTES, WorkHash, end, header, steps};
+pub(crate) use format::{CHUNK_BYTES, RecordingSeal, WorkHash, end, header, steps};
 pub(crate) use kept::KeptSteps;
 pub(crate) use loaded::LoadedRecording;
 pub(crate) use loaded::{config_error, of_build};

@@ -1,8 +1,12 @@
 //! Reader of recordings, block by block.
 
 use super::error::RecordingError;
-use super::format::{FIRST_LINE, MAX_BLOCK_BYTES, RecordingEnd, RecordingHeader, WorkHash, block, work_bytes};
+use super::format::{
+    FIRST_LINE, MAX_BLOCK_BYTES, RecordingEnd, RecordingHeader, RecordingSeal, SEAL_BYTES, WorkHash, block, sealed_end,
+    work_bytes,
+};
 use super::kept::KeptSteps;
+use crate::build::BUILD;
 use crate::observer::Observer;
 use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_kernel::ResimulateError;
@@ -20,11 +24,19 @@ pub fn looks_like_recording(reader: impl Read) -> bool {
 
 /// Blocks of a recording.
 pub(super) struct BlockReader<'a> {
-    pub(super) reader: &'a mut dyn Read,
-    pub(super) budget: &'a MemoryPool,
+    reader: &'a mut dyn Read,
+    budget: &'a MemoryPool,
+    /// Seal of the header, once that is read.
+    seal: Option<RecordingSeal>,
+    /// True if this build wrote the recording, which therefore ends with its seal.
+    is_of_this_build: bool,
 }
 
-impl BlockReader<'_> {
+impl<'a> BlockReader<'a> {
+    pub(super) fn new(reader: &'a mut dyn Read, budget: &'a MemoryPool) -> Self {
+        Self { reader, budget, seal: None, is_of_this_build: false }
+    }
+
     /// Reads the header, and finds its machine.
     pub(super) fn header(&mut self) -> Result<(RecordingHeader, &'static MachineInfo), RecordingError> {
         let mut first = [0; FIRST_LINE.len()];
@@ -35,6 +47,8 @@ impl BlockReader<'_> {
         let (b'H', content, _held) = self.next()? else { return Err(RecordingError::Format("it has no header".into())) };
         let header: RecordingHeader = parse(&content, "header")?;
         let machine = MachineInfo::named(&header.machine).map_err(RecordingError::Format)?;
+        self.seal = Some(RecordingSeal::of_header(&content));
+        self.is_of_this_build = header.build == BUILD;
         Ok((header, machine))
     }
 
@@ -57,6 +71,23 @@ impl BlockReader<'_> {
         Ok((letter, content, held))
     }
 
+    /// Checks the seal behind the block `E` of this content, and that nothing follows. Only a read to the end of a compressed file checks
+    /// the checksum of the compression.
+    fn check_seal(&mut self, end: &[u8]) -> Result<(), RecordingError> {
+        let format = |text: &str| Err(RecordingError::Format(text.into()));
+        let mut rest = Vec::new();
+        let longest = (1 + size_of::<u32>() + SEAL_BYTES + 1) as u64;
+        self.reader.take(longest).read_to_end(&mut rest)?;
+        let seal = self.seal.take().map(|seal| block(b'S', &seal.close(end))).unwrap_or_default();
+        match &rest[..] {
+            [] if !self.is_of_this_build => Ok(()),
+            rest if rest == seal => Ok(()),
+            rest if rest.starts_with(&seal) => format("more data follow its end"),
+            rest if seal.starts_with(rest) => format("it is truncated behind its result"),
+            _ => format("the SHA-256 of its header and result is not the one that it states"),
+        }
+    }
+
     fn fill(&mut self, bytes: &mut [u8]) -> Result<(), RecordingError> {
         self.reader.read_exact(bytes).map_err(|error| match error.kind() {
             io::ErrorKind::UnexpectedEof => RecordingError::Format("it is truncated".into()),
@@ -73,8 +104,8 @@ fn parse<T: for<'de> Deserialize<'de>>(content: &[u8], name: &str) -> Result<T, 
 /// Chunks of steps of a recording, read on demand.
 pub(super) struct ChunkReader<'a> {
     blocks: BlockReader<'a>,
-    /// Observer that receives a copy of the recording.
-    observer: Option<&'a mut dyn Observer>,
+    /// Observer that receives a copy of the recording, and the seal of the header of this copy.
+    observer: Option<(&'a mut dyn Observer, Option<RecordingSeal>)>,
     pub(super) work: WorkHash,
     /// Steps kept for bottleneck analysis.
     pub(super) kept: Option<KeptSteps>,
@@ -87,6 +118,7 @@ pub(super) struct ChunkReader<'a> {
 impl<'a> ChunkReader<'a> {
     pub(super) fn new(blocks: BlockReader<'a>, observer: Option<&'a mut dyn Observer>, kept: Option<KeptSteps>) -> Self {
         let waiting = blocks.budget.empty_reservation();
+        let observer = observer.map(|observer| (observer, None));
         Self { blocks, observer, work: WorkHash::default(), kept, end: None, error: None, waiting }
     }
 
@@ -104,10 +136,18 @@ impl<'a> ChunkReader<'a> {
         })
     }
 
+    /// Passes the header of the copy to the observer.
+    pub(super) fn begin_copy(&mut self, (header, own): (Vec<u8>, RecordingSeal)) -> Result<(), RecordingError> {
+        if let Some((_, seal)) = &mut self.observer {
+            *seal = Some(own);
+        }
+        self.pass_on_to_observer(&header)
+    }
+
     /// Passes bytes of the recording to the observer.
-    pub(super) fn pass_on_to_observer(&mut self, bytes: &[u8]) -> Result<(), RecordingError> {
+    fn pass_on_to_observer(&mut self, bytes: &[u8]) -> Result<(), RecordingError> {
         let is_short = self.work.is_short();
-        let shown = self.observer.as_mut().map_or(Ok(()), |observer| observer.recording(bytes, is_short));
+        let shown = self.observer.as_mut().map_or(Ok(()), |(observer, _)| observer.recording(bytes, is_short));
         shown.map_err(|error| io::Error::other(error).into())
     }
 
@@ -127,7 +167,10 @@ impl<'a> ChunkReader<'a> {
             }
             b'E' => {
                 self.end = Some(parse(&content, "end")?);
-                self.pass_on_to_observer(&block(letter, &content))?;
+                self.blocks.check_seal(&content)?;
+                if let Some(seal) = self.observer.as_mut().and_then(|(_, seal)| seal.take()) {
+                    self.pass_on_to_observer(&sealed_end(&content, seal))?;
+                }
                 Ok(None)
             }
             other => Err(RecordingError::Format(format!("a block `{}`, expected R or E", other.escape_ascii()))),

@@ -71,7 +71,7 @@ pub fn resimulate_to(
     options: &ResimulateOptions,
     observer: &mut dyn Observer,
 ) -> Result<ResimulationResult, RecordingError> {
-    let mut blocks = BlockReader { reader, budget: &options.budget };
+    let mut blocks = BlockReader::new(reader, &options.budget);
     let (header, machine) = blocks.header()?;
     let table = machine.parameters();
     let changes_work = |key: &str| table.iter().any(|p| p.key == key && p.effect == Effect::Work);
@@ -103,7 +103,7 @@ impl Resimulation<'_> {
         let Self { build, recorded, overrides, input, blocks, options, observer } = self;
         let netlist = netlist_of_same_work(recorded_spec(&recorded)?, spec, input)?;
         let mut chunks = ChunkReader::new(blocks, Some(observer), KeptSteps::new(options.bottlenecks, &options.budget));
-        chunks.pass_on_to_observer(&header::<S>(&build, input, &overrides))?;
+        chunks.begin_copy(header::<S>(&build, input, &overrides))?;
         let began = (options.clock)();
         let timed = kernel::resimulate(netlist, &mut |waiting| chunks.next(waiting), u64::MAX);
         // Reads to the end, which contains the untimed result.
@@ -156,7 +156,9 @@ pub(super) fn ensure_complete(run: &RunReport) -> Result<(), RecordingError> {
 
 /// Returns the netlist of `spec` if it does the same work as `recorded`: netlists and hardware of the units are compared.
 pub(crate) fn netlist_of_same_work<S: MachineSpec>(recorded: &S, spec: &S, input: InputKind) -> Result<Netlist, RecordingError> {
-    // With a user who acts at times, the work depends on timing.
+    if recorded.acts_at_times() {
+        return Err(RecordingError::ActsAtTimes);
+    }
     if spec.acts_at_times() {
         return Err(RecordingError::OtherWork("its user acts at times".into()));
     }

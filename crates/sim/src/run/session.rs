@@ -14,7 +14,7 @@ use crate::build::BUILD;
 use crate::machine::SimulatedMachine;
 use crate::observer::{MemoryRequests, Observer, picture_name};
 use crate::options::{AnalysisPolicy, RunOptions};
-use crate::recording::{self, CHUNK_BYTES, KeptSteps, WorkHash};
+use crate::recording::{self, CHUNK_BYTES, KeptSteps, RecordingSeal, WorkHash};
 use basrelief_input::{MemoryReservation, OverBudget};
 use basrelief_kernel::recording::RecordingChunk;
 use basrelief_kernel::{Machine, Outcome, Probe, RunLimits, RunReport};
@@ -87,8 +87,12 @@ pub(crate) struct ActiveRun<'a> {
     lacks_memory: bool,
     /// Names of the memory clients, by number, if memory requests are observed.
     clients: Vec<String>,
+    /// True if a recording of this run serves other timings.
+    is_recorded: bool,
     /// Hash of the recording.
     work: WorkHash,
+    /// Seal of its header, once that is written.
+    seal: Option<RecordingSeal>,
     /// Polygon of each step, if they are attributed.
     pub(crate) step_polygons: Option<Rc<RefCell<StepPolygons>>>,
     /// Time of simulation on the host \[s\].
@@ -122,7 +126,9 @@ impl<'a> ActiveRun<'a> {
             over_budget: None,
             lacks_memory: false,
             clients: vec![],
+            is_recorded: true,
             work: WorkHash::default(),
+            seal: None,
             step_polygons: None,
             simulate_s: 0.0,
         }
@@ -139,13 +145,15 @@ impl<'a> ActiveRun<'a> {
         if !self.options.aux_outputs.is_empty() {
             machine.keep_log();
         }
+        // With a user who acts at times, the work depends on timing. So no recording serves another timing.
+        self.is_recorded = !spec.acts_at_times();
         if self.needs_steps() {
-            let header = recording::header::<S>(BUILD, input, &self.options.overrides);
+            let (header, seal) = recording::header::<S>(BUILD, input, &self.options.overrides);
+            self.seal = Some(seal);
             self.run_unless_failed(|session| session.observer.recording(&header, true));
         }
         self.keep_requests(&mut machine);
-        // With a user who acts at times, the work depends on timing.
-        let mut kept = KeptSteps::new(self.options.bottlenecks, &self.options.budget).filter(|_| !spec.acts_at_times());
+        let mut kept = KeptSteps::new(self.options.bottlenecks, &self.options.budget).filter(|_| self.is_recorded);
         let SimulatedRun { report, chunks } = self.simulate(spec, &mut machine, probe, &mut kept);
         let report = match report {
             Ok(report) => report,
@@ -271,8 +279,8 @@ impl<'a> ActiveRun<'a> {
     fn needs_steps(&self) -> bool {
         match self.options.recording {
             AnalysisPolicy::Never => false,
-            AnalysisPolicy::IfShort => self.work.is_short(),
-            AnalysisPolicy::Always => true,
+            AnalysisPolicy::IfShort => self.is_recorded && self.work.is_short(),
+            AnalysisPolicy::Always => self.is_recorded,
         }
     }
 
@@ -322,10 +330,11 @@ impl<'a> ActiveRun<'a> {
         untimed.warnings.extend(self.no_bottlenecks(spec).map(str::to_owned));
         let complete = run.as_ref().filter(|run| run.outcome == Outcome::Complete);
         let mut recording_is_complete = false;
-        if complete.is_some() && records {
+        if let Some(seal) = self.seal.filter(|_| complete.is_some() && records) {
             let figures = facts.figures().map(|f| (f.name.clone(), f.value.clone())).collect();
             let is_short = self.work.is_short();
-            recording_is_complete = self.observer.recording(&recording::end(&untimed, figures, self.work), is_short).is_ok();
+            recording_is_complete =
+                self.observer.recording(&recording::end(&untimed, figures, self.work, seal), is_short).is_ok();
         }
         let mut report = untimed.report(spec, facts, run.as_ref());
         let path_groups = bottlenecks.map(|bottlenecks| bottlenecks.add_to(&mut report)).unwrap_or_default();

@@ -25,11 +25,15 @@ fn parts(recording: &[u8]) -> (Value, &[u8]) {
     (serde_json::from_slice(header).unwrap(), rest)
 }
 
-/// Returns the recording with another header.
+/// Length of block `S`: a letter, a length, and a SHA-256.
+const SEAL: usize = 1 + 4 + 32;
+
+/// Returns the recording with another header, and without its seal, as earlier builds wrote it.
 fn with_header(recording: &[u8], change: impl FnOnce(&mut Value)) -> Vec<u8> {
     let (mut header, rest) = parts(recording);
     change(&mut header);
     let header = header.to_string();
+    let rest = &rest[..rest.len() - SEAL];
     [b"basrelief-tape/1\nH", &(header.len() as u32).to_le_bytes()[..], header.as_bytes(), rest].concat()
 }
 
@@ -48,6 +52,26 @@ fn report_and_recording_state_their_build() {
     assert_eq!((report.build.as_str(), parts(&recording).0["version"].as_str()), (BUILD, Some(BUILD)));
     let (again, kept) = resimulated(&recording).unwrap();
     assert_eq!((again.to_json().unwrap(), kept), (report.to_json().unwrap(), recording));
+}
+
+// Claim: analysis: A recording with a changed header or result, or with data behind its end, is rejected.
+#[test]
+fn any_change_of_header_or_result_is_noticed() {
+    let (_, recording) = recorded();
+    let steps = parts(&recording).1;
+    let length = u32::from_le_bytes(steps[1..5].try_into().unwrap()) as usize;
+    let header = recording.len() - steps.len();
+    assert_eq!((steps[0], steps[5 + length]), (b'R', b'E'), "the steps fit in one block");
+    for place in (0..header).chain(header + 5 + length..recording.len()) {
+        let mut changed = recording.clone();
+        changed[place] ^= 1 << (place % 8);
+        assert!(resimulated(&changed).is_err(), "byte {place} of {}", recording.len());
+    }
+    let error = |recording: &[u8]| resimulated(recording).unwrap_err().to_string();
+    assert!(error(&[&recording[..], b"x"].concat()).contains("more data follow its end"));
+    for missing in [1, SEAL - 1, SEAL] {
+        assert!(error(&recording[..recording.len() - missing]).contains("truncated behind its result"), "{missing}");
+    }
 }
 
 #[test]
