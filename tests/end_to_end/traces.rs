@@ -99,6 +99,25 @@ fn trace_verifies_with_recorded_settings() {
 }
 
 #[test]
+fn expectation_of_nothing_fails_and_is_blessed() {
+    let place = Place::new();
+    place.ok("record PATCH --size 48x36 --expect --out t.jsonl");
+    let good = place.text("t.jsonl");
+    let line = good.lines().count() - 1;
+    for nothing in [r#"{"expect":{}}"#, r#"{"expect":{"machine":"bump","frames":[],"memories":{"normal_map":{}},"images":[]}}"#] {
+        let is_expect = |text: &str| text.starts_with(r#"{"expect"#);
+        let lines = good.lines().map(|text| if is_expect(text) { nothing } else { text });
+        fs::write(place.path("t.jsonl"), lines.map(|text| format!("{text}\n")).collect::<String>()).expect("written");
+        let outcome = place.run("verify t.jsonl");
+        outcome.error(1);
+        let told = format!("line {line}: expects nothing; `basrelief verify --bless` adds");
+        assert!(format!("{}{}", outcome.out, outcome.err).contains(&told), "{}{}", outcome.out, outcome.err);
+        place.ok("verify --bless t.jsonl");
+        assert_eq!(place.text("t.jsonl"), good);
+    }
+}
+
+#[test]
 fn wrong_parameter_of_an_expectation_is_named() {
     let place = Place::new();
     place.ok("record PATCH --size 48x36 --set brightness.levels=4 --set replacement.codebook=fixed --expect --out t.jsonl");

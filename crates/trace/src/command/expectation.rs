@@ -53,6 +53,12 @@ impl Default for ExpectedResults {
 }
 
 impl ExpectedResults {
+    /// Returns true if no result is expected. A machine and its settings are no results.
+    pub fn is_empty(&self) -> bool {
+        let traffic = self.memories.values().all(BTreeMap::is_empty);
+        self.cycles.is_none() && self.frames.is_empty() && self.images.is_empty() && traffic
+    }
+
     /// Returns the approximate memory \[bytes\]: the share of a map node per entry, and the capacity of texts.
     pub(crate) fn bytes(&self) -> u64 {
         const PLACE: usize = 160;
