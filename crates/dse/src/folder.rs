@@ -187,7 +187,13 @@ impl SweepFolder {
         if let Some(picture) = picture {
             publish(&self.of_point(id, PICTURE), picture, host)?;
         }
-        publish(&self.of_point(id, REPORT), report.as_bytes(), host)?;
+        if let Err(error) = publish(&self.of_point(id, REPORT), report.as_bytes(), host) {
+            // Without its report the picture is of no use. (Another process may have stored both meanwhile.)
+            if picture.is_some() && self.find(id).is_missing() {
+                let _ = fs::remove_file(self.of_point(id, PICTURE));
+            }
+            return Err(error);
+        }
         remove(&self.of_point(id, FAILED))
     }
 }

@@ -60,8 +60,7 @@ pub fn tables(plan: &Plan, folder: &SweepFolder, host: &dyn SweepHost) -> Result
     Ok(front)
 }
 
-/// Writes the tables of all points, and returns the front as text.
-/// there are several, axes, and all other figures.
+/// Returns the table of these points: objectives, constraints, inputs if there are several, axes, and all other figures.
 ///
 /// # Errors
 /// A report that cannot be read.

@@ -8,6 +8,7 @@ use crate::interrupt;
 use crate::outputs::{PartialFile, check_outputs_keep_inputs};
 use crate::progress::PointProgress;
 use crate::scene_input::{demo_of, input_error, open_scene};
+use crate::terminal::print_note;
 use basrelief_dse::{
     OpenError, OpenedInput, Plan, PlanPoint, PointStatus, SweepError, SweepFolder, SweepHost, SweepJob, SweepProgress, tables,
 };
@@ -58,6 +59,9 @@ impl<'a> OpenedPlan<'a> {
             .try_reserve(TOML_GROWTH * text.len() as u64, "the values of a plan")
             .map_err(CommandError::in_input(&name))?;
         let plan = Plan::read(&text, &host).map_err(CommandError::in_input(&name))?;
+        if !global.quiet {
+            plan.warnings().iter().for_each(|warning| print_note(&format!("warning: {name}: {warning}")));
+        }
         CommandError::check_folder(&args.out)?;
         let tables = basrelief_dse::tables::FILES.iter().map(|(file, _)| args.out.join(file));
         let tables: Vec<PathBuf> = tables.collect();

@@ -217,6 +217,22 @@ impl Plan {
         self.machine.explain(error, machine_field)
     }
 
+    /// Returns warnings of figures that a reader of the plan may take for others: those of the last image, although there are several.
+    pub fn warnings(&self) -> Vec<String> {
+        let has_frames = |input: &PlanInput| matches!(&input.opened, OpenedInput::Scene(of) if of.scene().frames.len() > 1);
+        if !self.inputs.iter().any(has_frames) {
+            return vec![];
+        }
+        let objectives = self.objectives.iter().map(|objective| ("objectives", &objective.column));
+        let constraints = self.constraints.iter().map(|constraint| ("constraints", &constraint.column));
+        let worst_of = |column: &str| OF_LAST_IMAGE.iter().find(|(last, _)| *last == column).map(|(_, worst)| *worst);
+        let warn = |(list, column): (&str, &String)| {
+            let worst = worst_of(column)?;
+            Some(format!("{list}: `{column}` is that of the last image; `{worst}` is that of the worst image"))
+        };
+        objectives.chain(constraints).filter_map(warn).collect()
+    }
+
     /// Replaces figures by their paths and checks that each exists. Without a trial run nothing is checked.
     fn check_figures(&mut self, known: Option<&[ReportFigure]>) -> Result<(), TomlFault> {
         let of_input = |input: &PlanInput| if let OpenedInput::Scene(of) = &input.opened { of.scene().frames.len() } else { 1 };
@@ -240,6 +256,10 @@ impl Plan {
         }
     }
 }
+
+/// Figures of the last image, each with that of the worst image.
+const OF_LAST_IMAGE: [(&str, &str); 3] =
+    [("quality.psnr_db", "quality.min.psnr_db"), ("quality.ssim", "quality.min.ssim"), ("quality.flip", "quality.max.flip")];
 
 /// Cure for parameters of another machine.
 fn machine_field(name: &str) -> String {

@@ -5,7 +5,7 @@ use basrelief_reference::QualityMetrics;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Quality of the pictures against reference images.
+/// Quality of the pictures against reference images: of the final image, unless a name says otherwise.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PictureQuality {
     /// Quality of the final image.
