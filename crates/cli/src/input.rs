@@ -97,15 +97,28 @@ impl TraceFile {
         RunInput::Trace { reader: self.reader, files, name: self.name }
     }
 
-    /// Returns true if the file is a trace: by its first bytes, or if they do not decide, as in a truncated file, by its name. The bytes
-    /// are put back, because a pipe can be opened only once.
+    /// Returns true if the file is a trace: by its first bytes, or if they do not decide, as in a truncated file, by its name.
     fn is_one(&mut self) -> CommandResult<bool> {
+        let start = self.start()?;
+        Ok(looks_like_trace(&start) || TraceForm::for_file_name(&self.name).is_some())
+    }
+
+    /// Returns the first bytes. They are put back, because a pipe can be opened only once.
+    fn start(&mut self) -> CommandResult<Vec<u8>> {
         let mut start = Vec::new();
         self.reader.by_ref().take(64).read_to_end(&mut start).map_err(CommandError::at_file(Path::new(&self.name), "be read"))?;
-        let is_one = looks_like_trace(&start) || TraceForm::for_file_name(&self.name).is_some();
         let rest = std::mem::replace(&mut self.reader, Box::new(io::empty()));
-        self.reader = Box::new(Cursor::new(start).chain(rest));
-        Ok(is_one)
+        self.reader = Box::new(Cursor::new(start.clone()).chain(rest));
+        Ok(start)
+    }
+
+    /// Refuses a binary model on standard input, which holds traces only, because a model may name other files.
+    fn check_is_no_model(&mut self) -> CommandResult {
+        if !self.start()?.starts_with(b"glTF") {
+            return Ok(());
+        }
+        let refused = CommandError::in_input(&self.name);
+        Err(refused("a binary glTF model, expected a trace; save the model as a file, and name that file"))
     }
 
     /// Refuses the recording of a run, which is compressed like a trace.
@@ -154,7 +167,9 @@ pub fn open_trace(path: &Path) -> CommandResult<Option<TraceFile>> {
         return Ok(None);
     }
     let mut trace = TraceFile::open(path)?;
-    if path != Path::new("-") && !trace.is_one()? {
+    if path == Path::new("-") {
+        trace.check_is_no_model()?;
+    } else if !trace.is_one()? {
         return Ok(None);
     }
     trace.check_is_no_recording()?;

@@ -17,10 +17,10 @@ pub fn set_message(message: &'static str) {
 /// A thread of its own ends the process, because a flag would not stop a command that waits for input from a pipe.
 #[cfg(unix)]
 pub fn listen() {
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXFSZ};
     use signal_hook::iterator::Signals;
     // `nohup` starts programs with SIGHUP ignored, and it must stay so.
-    let signals = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|signal| *signal != SIGHUP || !is_ignored(SIGHUP));
+    let signals = [SIGINT, SIGTERM, SIGQUIT, SIGHUP].into_iter().filter(|signal| *signal != SIGHUP || !is_ignored(SIGHUP));
     // With a handler, a write beyond the limit of file sizes (`ulimit -f`) is an error, and the command removes its files.
     let Ok(mut signals) = Signals::new(signals.chain([SIGXFSZ])) else { return };
     let wait = move || {

@@ -116,7 +116,10 @@ impl OutputFolder {
         for entry in fs::read_dir(&self.partial)? {
             let name = entry?.file_name();
             if self.folder.join(&name).is_dir() {
-                return Err(io::Error::other(format!("{} is a folder", name.to_string_lossy())));
+                return Err(io::Error::other(format!(
+                    "{} is a folder, expected a file or nothing; choose another folder",
+                    name.to_string_lossy()
+                )));
             }
             if name != last && name != LOCK {
                 others.push(name);

@@ -41,8 +41,9 @@ pub fn reason_and_cure(path: &Path, doing: &str, error: &io::Error) -> String {
         }
         ErrorKind::IsADirectory => {
             let example = if is_input { such_as(path) } else { None };
-            format!("{error}; expected a file{}", example.unwrap_or_default())
+            format!("{error}; expected a file{}", example.unwrap_or_else(|| "; name one".into()))
         }
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => format!("{error}; free space there, or choose another folder"),
         // Only making a folder, or a file below a file, fails in these ways.
         ErrorKind::AlreadyExists | ErrorKind::NotADirectory => {
             let file = blocking_file(path).filter(|_| is_output);
