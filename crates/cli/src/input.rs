@@ -97,28 +97,15 @@ impl TraceFile {
         RunInput::Trace { reader: self.reader, files, name: self.name }
     }
 
-    /// Returns true if the file is a trace: by its first bytes, or if they do not decide, as in a truncated file, by its name.
+    /// Returns true if the file is a trace: by its first bytes, or if they do not decide, as in a truncated file, by its name. The bytes
+    /// are put back, because a pipe can be opened only once.
     fn is_one(&mut self) -> CommandResult<bool> {
-        let start = self.start()?;
-        Ok(looks_like_trace(&start) || TraceForm::for_file_name(&self.name).is_some())
-    }
-
-    /// Returns the first bytes. They are put back, because a pipe can be opened only once.
-    fn start(&mut self) -> CommandResult<Vec<u8>> {
         let mut start = Vec::new();
         self.reader.by_ref().take(64).read_to_end(&mut start).map_err(CommandError::at_file(Path::new(&self.name), "be read"))?;
+        let is_one = looks_like_trace(&start) || TraceForm::for_file_name(&self.name).is_some();
         let rest = std::mem::replace(&mut self.reader, Box::new(io::empty()));
-        self.reader = Box::new(Cursor::new(start.clone()).chain(rest));
-        Ok(start)
-    }
-
-    /// Refuses a binary model on standard input, which holds traces only, because a model may name other files.
-    fn check_is_no_model(&mut self) -> CommandResult {
-        if !self.start()?.starts_with(b"glTF") {
-            return Ok(());
-        }
-        let refused = CommandError::in_input(&self.name);
-        Err(refused("a binary glTF model, expected a trace; save the model as a file, and name that file"))
+        self.reader = Box::new(Cursor::new(start).chain(rest));
+        Ok(is_one)
     }
 
     /// Refuses the recording of a run, which is compressed like a trace.
@@ -154,7 +141,10 @@ pub fn open(path: &Path, view: &ViewArgs, global: &GlobalOptions) -> CommandResu
 pub fn open_seen(path: &Path, view: &ViewOptions, global: &GlobalOptions) -> CommandResult<Input> {
     if let Some(trace) = open_trace(path)? {
         if *view != ViewOptions::default() {
-            return Err(CommandError::Usage("a trace has its own view; --size, --camera, --turn, --zoom, --frames, --orbit, --light, --light-orbit and --views apply to scenes only".into()));
+            let holds = if path == Path::new("-") { "standard input holds a trace, and " } else { "" };
+            return Err(CommandError::Usage(format!(
+                "{holds}a trace has its own view; --size, --camera, --turn, --zoom, --frames, --orbit, --light, --light-orbit and --views apply to scenes only"
+            )));
         }
         return Ok(Input::Trace(trace));
     }
@@ -167,9 +157,7 @@ pub fn open_trace(path: &Path) -> CommandResult<Option<TraceFile>> {
         return Ok(None);
     }
     let mut trace = TraceFile::open(path)?;
-    if path == Path::new("-") {
-        trace.check_is_no_model()?;
-    } else if !trace.is_one()? {
+    if path != Path::new("-") && !trace.is_one()? {
         return Ok(None);
     }
     trace.check_is_no_recording()?;

@@ -94,7 +94,7 @@ mod tests {
         let text = |path| error(io::ErrorKind::NotFound, path, "be written");
         assert_eq!(text("none/deep/x"), "entity not found; create the folder none/deep first");
         assert_eq!(text("x"), "entity not found: the folder . takes no new files; choose another folder");
-        assert_eq!(error(io::ErrorKind::IsADirectory, "src", "be read"), "is a directory; expected a file");
+        assert_eq!(error(io::ErrorKind::IsADirectory, "src", "be read"), "is a directory; expected a file; name one");
         assert_eq!(error(io::ErrorKind::AlreadyExists, "a.png", "be written"), "entity already exists; expected a folder");
     }
 

@@ -46,7 +46,11 @@ pub fn open<R: Read>(reader: R, budget: &MemoryPool) -> Result<TraceReader<R>, T
     let (head, source, window) = TraceBytes::open(reader, budget).map_err(|e| open_error(&e))?;
     let encoding = if head.starts_with(&BINARY_MAGIC) { TraceEncoding::Binary } else { TraceEncoding::JsonLines };
     if encoding == TraceEncoding::JsonLines && !head.is_empty() && !head.starts_with(b"{") {
-        let message = r#"no display list: expected JSON Lines that open with {"begin", their binary twin, or either in zstd"#;
+        let message = if head.starts_with(b"glTF") {
+            "a binary glTF model, expected a display list; save the model as a file, and name that file"
+        } else {
+            r#"no display list: expected JSON Lines that open with {"begin", their binary twin, or either in zstd"#
+        };
         return Err(TraceError::new(TracePlace::Start, ErrorKind::Malformed, "", message));
     }
     let mut reader = TraceReader {

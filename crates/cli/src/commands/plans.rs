@@ -59,9 +59,6 @@ impl<'a> OpenedPlan<'a> {
             .try_reserve(TOML_GROWTH * text.len() as u64, "the values of a plan")
             .map_err(CommandError::in_input(&name))?;
         let plan = Plan::read(&text, &host).map_err(CommandError::in_input(&name))?;
-        if !global.quiet {
-            plan.warnings().iter().for_each(|warning| print_note(&format!("warning: {name}: {warning}")));
-        }
         CommandError::check_folder(&args.out)?;
         let tables = basrelief_dse::tables::FILES.iter().map(|(file, _)| args.out.join(file));
         let tables: Vec<PathBuf> = tables.collect();
@@ -99,6 +96,8 @@ pub fn failed_points(folder: &SweepFolder, points: &[&PlanPoint]) -> usize {
 pub fn finish(said: &str, failed: usize, plan: &Plan, args: &PlanArgs, global: &GlobalOptions) -> CommandResult {
     if !global.quiet {
         print(said)?;
+        let name = args.plan.display();
+        plan.warnings().iter().for_each(|warning| print_note(&format!("warning: {name}: {warning}")));
     }
     let points = plan.points.len();
     if failed < points || points == 0 {

@@ -236,6 +236,26 @@ fn missing_or_damaged_tables_are_written_again() {
 }
 
 #[test]
+fn plan_warns_of_figures_of_the_last_image() {
+    let warnings = |frames: &str, objective: &str| {
+        let text = format!(
+            "input = \"demo:ellipsoid@1\"\nmachine = \"shade\"\nobjectives = [\"{objective} max\"]\nconstraints = [\"quality.ssim > 0\"]\n\
+             axes.shade.mode = [\"normal\"]\n{frames}"
+        );
+        plan(&text, &Program::new()).warnings()
+    };
+    let two = "[view]\nframes = 2\n";
+    let [last, worst] = ["quality.psnr_db", "quality.min.psnr_db"].map(|objective| warnings(two, objective));
+    assert_eq!(
+        last[0],
+        "objectives: `quality.psnr_db` is that of the last image; `quality.min.psnr_db` is that of the worst image"
+    );
+    assert_eq!(last[1..], worst, "{last:?}");
+    assert!(worst[0].starts_with("constraints: `quality.ssim` is that of the last image"), "{worst:?}");
+    assert_eq!(warnings("", "quality.psnr_db"), [""; 0]);
+}
+
+#[test]
 fn a_second_plan_finds_the_points_of_the_first() {
     let folder = tempdir().unwrap();
     sweep(PLAN, folder.path(), 2);
@@ -255,6 +275,8 @@ fn full_disk_ends_sweep_and_keeps_whole_files() {
         let ended = execute(&plan, &work, &store, &host).and_then(|_| tables(&plan, &store, &host));
         let error = ended.unwrap_err().to_string();
         assert!(error.contains(&folder.path().display().to_string()) && error.contains(": cannot be written: "), "{error}");
+        let pictures = points.iter().filter(|point| store.picture(&point.id).is_some());
+        assert!(pictures.into_iter().all(|point| !store.find(&point.id).is_missing()), "a picture without a report");
         // And when there is room again, it goes on.
         sweep(PLAN, folder.path(), 2);
         let undisturbed = tempdir().unwrap();

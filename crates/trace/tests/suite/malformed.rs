@@ -256,9 +256,10 @@ fn syntax_error_is_named_by_column() {
 
 #[test]
 fn other_file_is_refused_by_its_first_bytes() {
-    for bytes in [&b"glTF\x02\0\0\0"[..], b"\xef\xbb\xbf{\"begin\"", b"\n", b"PNG", &[0; 64]] {
+    for bytes in [&b"\xef\xbb\xbf{\"begin\""[..], b"\n", b"PNG", &[0; 64]] {
         assert!(error_of(bytes).to_string().contains("no display list"));
     }
+    assert!(error_of(b"glTF\x02\0\0\0").to_string().contains("a binary glTF model, expected a display list; save the model"));
     assert_eq!(error_of(b"").kind, ErrorKind::Truncated);
     assert_eq!(error_of(b"{\"end\":{\"commands\":0}}\n").to_string(), "line 1: end: stands first; expected `begin`");
 }
