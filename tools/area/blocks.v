@@ -110,3 +110,16 @@ module power #(parameter A = 6)(input [15:0] x, input [15:0] n, output [15:0] y)
   wire [15:0] lg = l[31:16] - (dl >> (16 - A)); assign e = lg * n; wire [15:0] m = p[31:16] - (dp >> 10);
   assign y = |e[31:24] ? 16'd0 : m >> e[23:20];
 endmodule
+// The same power, K digits of a factor per cycle: its three products take turns in one multiplier of 16 by K bits.
+module power_seq #(parameter A = 6, K = 2, C = 4)(input clk, start, input [15:0] x, input [15:0] n, output [15:0] y, output busy);
+  reg [1:0] t; reg [C-1:0] c; reg [31:0] p; reg [15:0] a, v, m; reg [3:0] s; reg none;
+  wire [31:0] l, e; rom_log #(.A(A)) tl(x[15 -: A], l); rom_exp #(.A(A)) te(p[19 -: A], e);
+  wire [15+K:0] sum = p[31:16] + a * p[K-1:0]; wire [15:0] between = v - p[16-A +: 16];
+  assign busy = t != 0; assign y = none ? 16'd0 : between >> s;
+  always @(posedge clk)
+    if (start) begin t <= 3; c <= 16 / K; a <= l[15:0]; v <= l[31:16]; p <= x[15-A:0]; m <= n; none <= 0; s <= 0; end
+    else if (c != 0) begin c <= c - 1'b1; p <= {sum, p[15:0]} >> K; end
+    else if (t == 3) begin t <= 2; c <= 16 / K; a <= m; p <= between; end
+    else if (t == 2) begin t <= 1; c <= 16 / K; a <= e[15:0]; v <= e[31:16]; p <= p[19-A -: 10]; s <= p[23:20]; none <= |p[31:24]; end
+    else t <= 0;
+endmodule

@@ -46,6 +46,7 @@ FITS = {
     "float adder": (["fadd"], "m*log2 m, m", lambda p: [(p["M"] + 1) * p["S"], p["M"] + 1]),
     "inner product": (["dot3"], "w*w, w", lambda p: [p["W"] ** 2, p["W"]]),
     "power, 16 bits": (["power"], "1, entries", lambda p: [1, 2 ** p["A"]]),
+    "power, 16 bits, by digits": (["power_seq"], "1, k", lambda p: [1, p["K"]]),
 }
 
 def main():

@@ -192,10 +192,10 @@ impl AreaModel {
         area.depth_fo4 = of.digits_in(timing.latency) * blocks::QUOTIENT_BIT_FO4;
     }
 
-    /// Its delay was not measured.
+    /// A logarithm, a product and an exponential. Its delay was not measured.
     fn power(&self, of: &Operator<'_>, area: &mut Area) {
-        let scale = f64::from(of.digits) / 16.0;
-        area.add_logic(of.piece.count as f64 * self.area.power * scale * scale);
+        let ge = blocks::power(&self.area, of.digits, of.timing.interval);
+        area.add_logic(of.piece.count as f64 * ge);
         area.add_registers(of.stages(of.piece.width), self.area.flip_flop);
     }
 

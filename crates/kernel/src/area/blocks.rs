@@ -13,6 +13,8 @@ pub(super) const LARGER_FO4: f64 = 23.0;
 pub(super) const TAG_FO4: f64 = 17.0;
 /// One bit of a quotient: 30, 47, 94 and 186 for 1, 2, 4 and 8 bits of 24. A bit of a root is assumed to take as long.
 pub(super) const QUOTIENT_BIT_FO4: f64 = 186.0 / 8.0;
+/// Products of a power.
+const POWER_PRODUCTS: u32 = 3;
 /// Index that passes a comparator with the larger value \[bits\].
 pub(super) const INDEX_BITS: u32 = 6;
 
@@ -62,6 +64,21 @@ pub(super) fn divider(area: &AreaConfig, width: u32, bits_per_cycle: f64) -> f64
 
 pub(super) fn square_root(area: &AreaConfig, width: u32, bits_per_cycle: f64) -> f64 {
     area.square_root * 2.0 * f64::from(width) * (bits_per_cycle + 5.35)
+}
+
+/// Returns the area of a power unit of `width` bits that starts an operation every `interval` cycles.
+///
+/// An operation has three products of `width` digits: the slope of the table of logarithms, the exponent, and the slope of the table
+/// of powers of two. In a unit that starts in every cycle, each product has a multiplier of its own. In a slower unit, the products
+/// take turns in one multiplier, which adds `3 width / interval` digits per cycle, rounded up. Both units were measured at 16 bits
+/// (`power` and `power_seq` in `tools/area`); the slower one needs 2,378 GE and 147 GE for each digit per cycle. A unit with many
+/// digits per cycle is never larger than one that starts in every cycle. (Assumed: the tables, the registers and the multiplier of
+/// other widths grow as the whole unit.)
+pub(super) fn power(area: &AreaConfig, width: u32, interval: u32) -> f64 {
+    let scale = f64::from(width) / 16.0;
+    let digits = f64::from(width.saturating_mul(POWER_PRODUCTS).div_ceil(interval.max(1)));
+    let share = if interval > 1 { 0.476 + 0.472 * digits / f64::from(width.max(1)) } else { 1.0 };
+    area.power * scale * scale * share.min(1.0)
 }
 
 pub(super) fn fifo_control(area: &AreaConfig, depth: u64) -> f64 {

@@ -71,6 +71,23 @@ fn shorter_interval_of_divider_costs_more() {
 }
 
 #[test]
+fn shorter_interval_of_power_unit_costs_more() {
+    let of = |width: crate::OperandWidth, interval| {
+        let power = OperatorConfig::new(1024, interval);
+        model(Operators { power, ..Operators::default() }).of(&Hardware::new("u", HardwareKind::Power, "", 1, width)).logic_ge
+    };
+    let ascending = [1024, 64, 22, 7, 4].map(|interval| of(crate::OperandWidth::SINGLE, interval));
+    assert!(ascending.is_sorted_by(|slow, fast| slow < fast), "{ascending:?}");
+    // 24 digits: 72 of three products, 2 of them in each of 64 cycles.
+    assert_eq!(ascending[1], 5000.0 * 2.25 * (0.476 + 0.472 * 2.0 / 24.0));
+    assert_eq!([1, 2].map(|interval| of(crate::OperandWidth::SINGLE, interval)), [5000.0 * 2.25; 2]);
+    // Rows of tools/area/area.csv: 8 and 2 digits per cycle.
+    for (interval, measured) in [(6, 3533.1), (24, 2677.1)] {
+        assert!((of(16.into(), interval) / measured - 1.0).abs() < 0.02, "{interval}");
+    }
+}
+
+#[test]
 fn eight_quotient_bits_per_cycle_take_186_fo4() {
     let divider = Hardware { digits_per_cycle: 8, ..Hardware::new("u", HardwareKind::Divider, "", 1, 24) };
     assert_eq!(model(Operators::default()).of(&divider).depth_fo4, 186.0);
