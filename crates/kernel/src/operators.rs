@@ -124,6 +124,21 @@ impl Operators {
         self.max_over_kinds(work, have, |times, of, interval| (times * interval).div_ceil(of))
     }
 
+    /// Returns the fewest operators that start `work` once every `interval` cycles, in a stream of equal, independent pieces. This is the
+    /// inverse of [`Operators::stream_interval`].
+    pub fn sustaining(&self, work: OperatorCounts, interval: u32) -> OperatorCounts {
+        let needed = |times: u32, of: &OperatorConfig| times.saturating_mul(of.interval).div_ceil(interval.max(1));
+        OperatorCounts {
+            multiply: needed(work.multiply, &self.multiply),
+            add: needed(work.add, &self.add),
+            divide: needed(work.divide, &self.divide),
+            square_root: needed(work.square_root, &self.square_root),
+            power: needed(work.power, &self.power),
+            integer_multiply: needed(work.integer_multiply, &self.integer_multiply),
+            integer_add: needed(work.integer_add, &self.integer_add),
+        }
+    }
+
     /// Returns the maximum, and at least 1, of `kept` over all kinds. Its arguments are operations, operators (>= 1), and
     /// interval.
     fn max_over_kinds(&self, work: OperatorCounts, have: OperatorCounts, kept: impl Fn(u64, u64, u64) -> u64) -> u64 {
@@ -185,5 +200,6 @@ mod tests {
         assert_eq!(operators.interval(divide(1), divide(7)), 7, "alone");
         assert_eq!([1, 4, 7, 14].map(|have| operators.stream_interval(divide(1), divide(have))), [7, 2, 1, 1]);
         assert_eq!(operators.stream_interval(divide(2), divide(7)), 2);
+        assert_eq!([7, 2, 1].map(|interval| operators.sustaining(divide(1), interval)), [1, 4, 7].map(divide));
     }
 }

@@ -78,7 +78,7 @@ impl TextureMappingSystem {
                 mip_map_selector: Stage::new("mip-map-selector", MipMapSelector::new(c.mip)),
                 look_up: Stage::new("texture-look-up", look_up),
                 illuminance: Stage::new("illuminance", IlluminanceValueGenerator::new(c.illuminance, own)),
-                combiner: Stage::new("combiner", Combiner::new(c.combiner, in_flight, c.display.buffers, flags)),
+                combiner: Stage::new("combiner", Combiner::new(c.combiner, in_flight, c.display.buffers, flags, c.operators)),
                 buffer: Stage::new("pixel-value-buffer", FrameBuffer::new(c.frame_buffer, &c.display)),
                 memories,
                 clients,

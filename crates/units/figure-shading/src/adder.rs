@@ -1,9 +1,8 @@
 //! Adder (52).
 
-use crate::dots::needed;
 use crate::{BrightnessSelection, CircuitConfig, FigureFlow, ShadedDot, SpecularDot, SpecularFlow};
 use basrelief_kernel::stats::UnitStats;
-use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, Operators, Step, Unit, UnitTable};
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, OperatorCounts, Operators, Step, Unit, UnitTable};
 use serde::{Deserialize, Serialize};
 
 /// Counters of the adder.
@@ -110,7 +109,8 @@ impl Unit for Adder {
 
     fn report_stats(&self, stats: &mut UnitStats) {
         stats.rate(0, self.latency(), self.config.initiation_interval);
-        let adders = needed(3, self.operators.add.interval, self.config.initiation_interval);
+        let sums = OperatorCounts { add: 3, ..OperatorCounts::NONE };
+        let adders = self.operators.sustaining(sums, self.config.initiation_interval).add;
         stats.hardware(HardwareKind::Adder, "sum of red, green and blue", adders, OperandWidth::SINGLE);
         stats.figure("adder_sums", self.state.counters.sums, "dots", "Dots to which a highlight was added");
     }

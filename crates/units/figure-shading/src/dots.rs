@@ -36,17 +36,11 @@ pub(crate) fn triangle_cycles(depth: bool, operators: &Operators) -> u64 {
     operators.interval(work, SET_UP_UNITS).max(operators.latency(SET_UP_CHAIN))
 }
 
-/// Returns the operators of one kind for this many operations in each `interval` cycles.
-pub(crate) fn needed(operations: u32, kind_interval: u32, interval: u32) -> u64 {
-    u64::from(operations * kind_interval).div_ceil(u64::from(interval.max(1)))
-}
-
 /// Reports the hardware of a circuit that scans polygons and interpolates three numbers at each dot, every `interval` cycles.
 pub(crate) fn tell_interpolator(stats: &mut UnitStats, operators: &Operators, interval: u32) {
-    let multipliers = needed(THREE_VALUES.multiply, operators.multiply.interval, interval);
-    let adders = needed(THREE_VALUES.add, operators.add.interval, interval);
-    stats.hardware(HardwareKind::Multiplier, "interpolation", multipliers, OperandWidth::SINGLE);
-    stats.hardware(HardwareKind::Adder, "the same", adders, OperandWidth::SINGLE);
+    let have = operators.sustaining(THREE_VALUES, interval);
+    stats.hardware(HardwareKind::Multiplier, "interpolation", have.multiply, OperandWidth::SINGLE);
+    stats.hardware(HardwareKind::Adder, "the same", have.add, OperandWidth::SINGLE);
     stats.hardware(HardwareKind::Adder, "steps of three edges", 3_u64, OperandWidth::SINGLE);
     let work = SCAN_SET_UP.and(VALUES_SET_UP);
     stats.shared_operators("set-up of a triangle", SET_UP_UNITS, work, OperandWidth::SINGLE);

@@ -1,6 +1,6 @@
 //! Normal-interpolation brightness circuit (50).
 
-use crate::dots::{CornerValues, DotScan, INTERPOLATION, needed, set_up_cycles, tell_interpolator, triangle_cycles};
+use crate::dots::{CornerValues, DotScan, INTERPOLATION, set_up_cycles, tell_interpolator, triangle_cycles};
 use crate::{NormalInterpolationConfig, NormalLoad, PowerFunction, SpecularDot, SpecularFlow};
 use basrelief_kernel::stats::{FigureGroup, UnitStats};
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, OperatorCounts, Operators, Step, Unit, UnitTable};
@@ -154,18 +154,9 @@ impl NormalInterpolation {
         if interval == 1 && multiply == 1 && add == 1 {
             stats.hardware(HardwareKind::InnerProduct, "N.H", 1_u64, OperandWidth::SINGLE);
         } else {
-            stats.hardware(
-                HardwareKind::Multiplier,
-                "N.H",
-                needed(OperatorCounts::INNER_PRODUCT.multiply, multiply, interval),
-                OperandWidth::SINGLE,
-            );
-            stats.hardware(
-                HardwareKind::Adder,
-                "N.H",
-                needed(OperatorCounts::INNER_PRODUCT.add, add, interval),
-                OperandWidth::SINGLE,
-            );
+            let have = self.operators.sustaining(OperatorCounts::INNER_PRODUCT, interval);
+            stats.hardware(HardwareKind::Multiplier, "N.H", have.multiply, OperandWidth::SINGLE);
+            stats.hardware(HardwareKind::Adder, "N.H", have.add, OperandWidth::SINGLE);
         }
         if self.renormalise {
             stats.shared_operators("normals to length 1", NORMALISER, OperatorCounts::NORMALIZE, OperandWidth::SINGLE);

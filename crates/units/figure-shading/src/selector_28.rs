@@ -1,6 +1,5 @@
 //! Selector (28), the output of the device.
 
-use crate::dots::needed;
 use crate::{
     BrightnessSelection, CircuitConfig, FigureFlow, FinishedPolygon, PolygonFigure, PolygonRoute, ShadedDot, ShadingMode,
 };
@@ -115,7 +114,7 @@ impl Unit for Selector28 {
 
     fn report_stats(&self, stats: &mut UnitStats) {
         stats.rate(0, self.config.latency, self.config.initiation_interval);
-        let each = needed(3, 1, self.config.initiation_interval);
+        let each = 3_u32.div_ceil(self.config.initiation_interval.max(1));
         // 255 c = 256 c - c, so no multiplier is needed.
         stats.hardware(HardwareKind::Adder, "to steps of 8 bits", each, OperandWidth::from(32).of_integers());
         stats.hardware(HardwareKind::Adder, "rounding", each, OperandWidth::SINGLE);

@@ -5,7 +5,7 @@ use crate::join_streams::{PairedInput, pair};
 use crate::log::DisplacementMap;
 use crate::signals::{IlluminancePacket, TexturePacket};
 use basrelief_kernel::stats::UnitStats;
-use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, Step, Unit};
+use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperatorCounts, Operators, Step, Unit};
 use basrelief_signals::width::COLOR;
 use basrelief_signals::{
     Control, Flow, GatheredLines, LINE_PIXELS, LineFlags, PACKET_PIXELS, PixelPacket, layout, line_of, lines,
@@ -80,14 +80,15 @@ pub struct Combiner {
     buffers: u64,
     /// Parameters of the buffer (360), for its flags.
     buffer: FrameBufferFlags,
+    operators: Operators,
     /// State between steps.
     pub state: CombinerState,
 }
 
 impl Combiner {
     /// Creates a combiner in its power-on state, with up to `lines` lines in flight to memory, for a swap chain of `buffers` buffers.
-    pub fn new(config: CombinerConfig, lines: u32, buffers: u32, buffer: FrameBufferFlags) -> Self {
-        Self { config, lines, buffers: buffers.into(), buffer, state: CombinerState::default() }
+    pub fn new(config: CombinerConfig, lines: u32, buffers: u32, buffer: FrameBufferFlags, operators: Operators) -> Self {
+        Self { config, lines, buffers: buffers.into(), buffer, operators, state: CombinerState::default() }
     }
 
     /// Starts to record a map of displacements.
@@ -183,6 +184,12 @@ impl Combiner {
     }
 }
 
+/// Arithmetic of a pixel without its old value: texture by illuminance, of each component.
+const PRODUCTS: OperatorCounts = OperatorCounts { multiply: 4, ..OperatorCounts::NONE };
+/// Arithmetic of a pixel with its old value, if the product is written.
+const MODULATION: OperatorCounts = OperatorCounts { multiply: 3, ..OperatorCounts::NONE };
+/// Arithmetic of a pixel with its old value, if both are weighted by alpha.
+const BLENDING: OperatorCounts = OperatorCounts { multiply: 6, add: 3, ..OperatorCounts::NONE };
 /// Width of a texture value or an illuminance \[bits\].
 const FACTOR_BITS: u32 = 16;
 /// Width of a component of a pixel, or of its weight \[bits\].
@@ -200,18 +207,22 @@ impl Combiner {
     }
 
     fn tell_hardware(&self, stats: &mut UnitStats) {
-        stats.hardware(HardwareKind::Multiplier, "texture by illuminance", 4_u32, FACTOR_BITS);
-        let (products, sums) = match self.config.mode {
+        self.tell_shared("texture by illuminance", PRODUCTS, FACTOR_BITS, stats);
+        let with_old = match self.config.mode {
             CombineMode::Replace => return,
-            CombineMode::Modulate => (3_u32, 0_u32),
-            CombineMode::Blend => (6, 3),
+            CombineMode::Modulate => MODULATION,
+            CombineMode::Blend => BLENDING,
         };
-        stats.hardware(HardwareKind::Multiplier, "with the old value", products, PIXEL_BITS);
-        stats.hardware(HardwareKind::Adder, "with the old value", sums, PIXEL_BITS);
+        self.tell_shared("with the old value", with_old, PIXEL_BITS, stats);
         stats.hardware(HardwareKind::Table, "lines on their way to memory", self.lines, LINE_PIXELS * COLOR);
         stats.hardware(HardwareKind::Adder, "whether a line is held", self.lines, LINE_TAG_BITS);
         stats.flags("flags of clear lines", self.buffer.flags, self.buffer.per_cycle);
         stats.hardware(HardwareKind::Registers, "which lines are held", self.lines, LINE_TAG_BITS);
+    }
+
+    /// Reports the operators in which the operations of a pixel take turns.
+    fn tell_shared(&self, about: &'static str, work: OperatorCounts, width: u32, stats: &mut UnitStats) {
+        stats.shared_operators(about, self.operators.sustaining(work, self.config.initiation_interval), work, width);
     }
 }
 
@@ -276,6 +287,19 @@ impl Unit for Combiner {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn slower_pixels_share_operators() {
+        let counts = |initiation_interval| {
+            let config = CombinerConfig { mode: CombineMode::Blend, initiation_interval, ..CombinerConfig::default() };
+            let mut stats = UnitStats::default();
+            Combiner::new(config, 0, 2, FrameBufferFlags::default(), Operators::default()).report_stats(&mut stats);
+            stats.all_hardware().iter().map(|piece| (piece.count, piece.turns)).collect::<Vec<_>>()
+        };
+        assert_eq!(counts(1), [(4, 1), (6, 1), (3, 1)]);
+        assert_eq!(counts(2), [(2, 2), (3, 2), (2, 2)]);
+        assert_eq!(counts(16), [(1, 4), (1, 6), (1, 3)]);
+    }
 
     #[test]
     fn product_of_ones_is_one_and_halves_round_up() {

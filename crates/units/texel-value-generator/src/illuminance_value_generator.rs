@@ -22,6 +22,8 @@ const DIFFERENCES: OperatorCounts = OperatorCounts { add: 2 * 4, ..OperatorCount
 const SPAN: OperatorCounts = OperatorCounts { multiply: 2 * 4 * 2 + 4, add: 2 * 4 * 2 + 4, ..OperatorCounts::NONE };
 /// Arithmetic of the brightness of a corner under one light: N.L, N.H, a power, intensity and sums.
 const LIGHT: OperatorCounts = OperatorCounts { multiply: 2 * 3 + 2, add: 2 * 2 + 2, power: 1, ..OperatorCounts::NONE };
+/// Arithmetic of a pixel: a step of each component.
+const PIXEL: OperatorCounts = OperatorCounts { add: 4, ..OperatorCounts::NONE };
 /// Width of the interpolation \[bits\]: 2 bits and 14 of a fraction, and guard bits for the pixels of a line.
 const SUM_BITS: u32 = 16 + 14;
 
@@ -206,7 +208,8 @@ impl Unit for IlluminanceValueGenerator {
         stats.shared_operators("set-up of triangles and spans", have, work, OperandWidth::SINGLE);
         let power = u32::from(lit);
         stats.hardware(HardwareKind::Power, "highlights of bump targets", power, OperandWidth::SINGLE);
-        stats.hardware(HardwareKind::Adder, "interpolation of RGBA", 4_u32, SUM_BITS);
+        let adders = self.operators.sustaining(PIXEL, self.config.initiation_interval);
+        stats.shared_operators("interpolation of RGBA", adders, PIXEL, SUM_BITS);
         stats.hardware(HardwareKind::Registers, "RGBA: sum and change", 2 * 4_u32, SUM_BITS);
         stats.hardware(HardwareKind::Registers, "corners: RGBA and its differences", 3 * 4_u32, NUMBER);
     }
@@ -215,6 +218,18 @@ impl Unit for IlluminanceValueGenerator {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn slower_pixels_share_operators() {
+        let adders = |initiation_interval| {
+            let config = IlluminanceConfig { initiation_interval, ..IlluminanceConfig::default() };
+            let mut stats = UnitStats::default();
+            IlluminanceValueGenerator::new(config, Operators::default()).report_stats(&mut stats);
+            let piece = stats.all_hardware().iter().find(|piece| piece.about == "interpolation of RGBA").unwrap();
+            (piece.count, piece.turns)
+        };
+        assert_eq!([1, 2, 3, 16].map(adders), [(4, 1), (2, 2), (2, 2), (1, 4)]);
+    }
 
     #[test]
     fn set_up_takes_turns_in_its_operators() {

@@ -11,6 +11,14 @@ use basrelief_signals::{BitWidth, SignalWidths};
 /// Longest dependent chain from the ends of a segment to a pixel: their difference, times a reciprocal from the table, times the
 /// position or step by step, and the start.
 const CHAIN: OperatorCounts = OperatorCounts { multiply: 1, add: 2, ..OperatorCounts::NONE };
+/// Arithmetic of u, v at a pixel. A segment may have a single pixel, so each pixel may need the products of a segment.
+const PRODUCTS: OperatorCounts = OperatorCounts { multiply: 2, ..OperatorCounts::NONE };
+/// Differences of the ends, or sums at a pixel, of u, v.
+const SUMS: OperatorCounts = OperatorCounts { add: 2, ..OperatorCounts::NONE };
+/// Step of the depth.
+const DEPTH: OperatorCounts = OperatorCounts { add: 1, ..OperatorCounts::NONE };
+/// Arithmetic of du, dv at a pixel: a product and a difference each, and a product with 1 / W.
+const CHANGE: OperatorCounts = OperatorCounts { multiply: 4, add: 2, ..OperatorCounts::NONE };
 /// Longest dependent chain from 1 / W to du, dv: a product.
 const GRADIENT: OperatorCounts = OperatorCounts { multiply: 1, ..OperatorCounts::NONE };
 
@@ -30,10 +38,10 @@ impl ApproximateCalculator {
     pub(super) fn tell_hardware(&self, stats: &mut UnitStats) {
         let (bits, words) = (self.bits, SignalWidths { texture: self.bits, ..SignalWidths::default() });
         stats.hardware(HardwareKind::Table, "reciprocals of lengths", self.longest, bits);
-        stats.hardware(HardwareKind::Multiplier, "u, v per pixel", 2_u32, bits);
-        stats.hardware(HardwareKind::Adder, "difference of the ends", 2_u32, bits);
-        stats.hardware(HardwareKind::Adder, "interpolation of u, v", 2_u32, bits + self.guard());
-        stats.hardware(HardwareKind::Adder, "interpolation of depth", 1_u32, words.depth);
+        self.tell_shared("u, v per pixel", PRODUCTS, bits, stats);
+        self.tell_shared("difference of the ends", SUMS, bits, stats);
+        self.tell_shared("interpolation of u, v", SUMS, bits + self.guard(), stats);
+        self.tell_shared("interpolation of depth", DEPTH, words.depth, stats);
         stats.hardware(HardwareKind::Registers, "the segment", 1_u32, LineSegment::bits(&words));
         stats.hardware(HardwareKind::Registers, "u, v: start, end", 4_u32, bits);
         stats.hardware(HardwareKind::Registers, "u, v: change and sum", 4_u32, bits + self.guard());
@@ -41,8 +49,35 @@ impl ApproximateCalculator {
             let width = self.config.reciprocal_bits;
             let divider = IterativeOperators { count: 1, turns: 1, width, digits_per_cycle: self.bits_per_cycle };
             stats.iterative(HardwareKind::Divider, "1 / W for du, dv", divider);
-            stats.hardware(HardwareKind::Multiplier, "du, dv of a pixel", 4_u32, width);
-            stats.hardware(HardwareKind::Adder, "du, dv of a pixel", 2_u32, width);
+            self.tell_shared("du, dv of a pixel", CHANGE, width, stats);
         }
+    }
+
+    /// Reports the operators in which the operations of a pixel take turns.
+    fn tell_shared(&self, about: &'static str, work: OperatorCounts, width: u32, stats: &mut UnitStats) {
+        stats.shared_operators(about, self.operators.sustaining(work, self.config.initiation_interval), work, width);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::{ApproximationConfig, TexelConfig};
+    use basrelief_kernel::Operators;
+
+    #[test]
+    fn slower_pixels_share_operators() {
+        let counts = |initiation_interval| {
+            let config = ApproximationConfig { initiation_interval, ..ApproximationConfig::default() };
+            let unit =
+                ApproximateCalculator::new(config, &TexelConfig::default(), [2, 24], Some(MipPer::Pixel), Operators::default());
+            let mut stats = UnitStats::default();
+            unit.tell_hardware(&mut stats);
+            let operators = stats.all_hardware().iter().filter(|piece| piece.kind.computes() && piece.digits_per_cycle == 0);
+            operators.map(|piece| (piece.count, piece.turns)).collect::<Vec<_>>()
+        };
+        assert_eq!(counts(1), [2, 2, 2, 1, 4, 2].map(|count| (count, 1)));
+        assert_eq!(counts(3), [(1, 2), (1, 2), (1, 2), (1, 1), (2, 2), (1, 2)]);
+        assert_eq!(counts(16), [2, 2, 2, 1, 4, 2].map(|turns| (1, turns)));
     }
 }

@@ -100,6 +100,7 @@ fn blend() -> Combiner {
         4,
         2,
         FrameBufferFlags { flags: 5, per_cycle: 2 },
+        operators(),
     )
 }
 

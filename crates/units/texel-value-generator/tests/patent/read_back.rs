@@ -1,7 +1,7 @@
 //! Combiner (350): the old value from the buffer (360), and the time of its read.
 
 use crate::figures::frame;
-use basrelief_kernel::{MemoryPorts, Unit};
+use basrelief_kernel::{MemoryPorts, Operators, Unit};
 use basrelief_signals::{Flow, GatheredLines};
 use basrelief_texel_value_generator::signals::{IlluminancePacket, TexturePacket};
 use basrelief_texel_value_generator::{CombineMode, Combiner, CombinerConfig, FrameBufferFlags};
@@ -14,7 +14,7 @@ const ONE: u16 = 1 << 14;
 const NO_FLAGS: FrameBufferFlags = FrameBufferFlags { flags: 0, per_cycle: 64 };
 
 fn combiner(mode: CombineMode, lines: u32, flags: FrameBufferFlags) -> Combiner {
-    let mut unit = Combiner::new(CombinerConfig { mode, ..CombinerConfig::default() }, lines, 2, flags);
+    let mut unit = Combiner::new(CombinerConfig { mode, ..CombinerConfig::default() }, lines, 2, flags, Operators::default());
     unit.step((Some(Flow::Control(frame(40, 3))), Some(Flow::Control(frame(40, 3)))), &mut MemoryPorts::default());
     unit
 }
@@ -71,7 +71,7 @@ fn clear_line_is_not_read() {
 fn blending_begins_with_the_old_value() {
     for (latency, after) in [(3, 2), (9, 2), (1, 1)] {
         let config = CombinerConfig { mode: CombineMode::Blend, latency, ..CombinerConfig::default() };
-        let mut unit = Combiner::new(config, 4, 2, FrameBufferFlags { flags: 0, per_cycle: 1 });
+        let mut unit = Combiner::new(config, 4, 2, FrameBufferFlags { flags: 0, per_cycle: 1 }, Operators::default());
         let mut texture = TexturePacket::default();
         texture.packet.mask = 1;
         let input = (Some(Flow::Item(texture)), Some(Flow::Item(IlluminancePacket::default())));
@@ -84,7 +84,7 @@ fn blending_begins_with_the_old_value() {
 fn look_up_of_a_flag_delays_the_old_value() {
     for (mode, flags, delay) in [(CombineMode::Blend, 8, 5), (CombineMode::Blend, 0, 0), (CombineMode::Replace, 8, 0)] {
         let config = CombinerConfig { mode, flag_latency: 5, ..CombinerConfig::default() };
-        let mut unit = Combiner::new(config, 4, 2, FrameBufferFlags { flags, per_cycle: 1 });
+        let mut unit = Combiner::new(config, 4, 2, FrameBufferFlags { flags, per_cycle: 1 }, Operators::default());
         let mut texture = TexturePacket::default();
         texture.packet.mask = 1;
         let input = (Some(Flow::Item(texture)), Some(Flow::Item(IlluminancePacket::default())));
