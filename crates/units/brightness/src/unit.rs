@@ -1,6 +1,7 @@
 //! The unit and its step.
 
 use crate::clut::{NormalTables, calculate};
+use crate::sets::tell_directory;
 use crate::state::ClutRebuild;
 use crate::{BrightnessConfig, BrightnessFetchState, BrightnessSource};
 use arrayvec::ArrayVec;
@@ -218,6 +219,10 @@ impl BrightnessFetch {
         stats.hardware(HardwareKind::Multiplier, "lighting of an entry", c.multipliers, OperandWidth::SINGLE);
         stats.hardware(HardwareKind::Adder, "lighting of an entry", c.multipliers, OperandWidth::SINGLE);
         stats.hardware(HardwareKind::Power, "highlight of an entry", c.powers, OperandWidth::SINGLE);
+        // Direct computation needs no table.
+        if c.source == BrightnessSource::Clut {
+            tell_directory(c, stats);
+        }
     }
 }
 
