@@ -5,7 +5,7 @@
 //! # Limits
 //!
 //! - Wires, clock trees, pads, test logic and the control logic of units have no area.
-//! - Delays of powers, of memory macros and of wires are not known.
+//! - Delays of powers, of memory macros, of the choice in a word and of wires are not known.
 
 mod blocks;
 mod config;
@@ -18,7 +18,7 @@ pub use config::AreaConfig;
 const LEAST_MACRO_BITS: u64 = 2048;
 /// Words of the smallest memory macro.
 const LEAST_MACRO_WORDS: u64 = 16;
-/// Bits of a word that is read in pieces, so that a macro may hold a single one.
+/// Bits of a word that is read in pieces, so that a macro may hold a single one. A word of entries is read as a whole.
 const WIDE_WORD_BITS: u32 = 4096;
 
 /// Everything that the area of a piece of hardware depends on, besides the piece.
@@ -207,9 +207,11 @@ impl AreaModel {
 
     /// Words in flip-flops, or in the smallest macros that hold them if these are smaller.
     fn store(&self, piece: &Hardware, area: &mut Area) {
+        area.add_logic(blocks::entry_choice(&self.area, piece));
         let Hardware { count, width, banks, ports, .. } = *piece;
         let words = count.div_ceil(u64::from(banks.max(1)));
-        let least_words = if width >= WIDE_WORD_BITS { 1 } else { LEAST_MACRO_WORDS };
+        let in_pieces = width >= WIDE_WORD_BITS && piece.entries == 0;
+        let least_words = if in_pieces { 1 } else { LEAST_MACRO_WORDS };
         let macro_bits = words.max(least_words).saturating_mul(u64::from(width)).max(LEAST_MACRO_BITS);
         let in_macros = blocks::memory_macro(&self.area, macro_bits, ports) * f64::from(banks);
         // A macro has one port for reading and writing, while a flip-flop has a write port of its own.

@@ -188,6 +188,10 @@ pub struct Hardware {
     pub ports: u32,
     /// Registers of the width that a token passes besides its slot.
     pub stages: u32,
+    /// Entries of a word, such as flags. The word is read as a whole, and each port chooses an entry. 0 if words have no entries.
+    pub entries: u32,
+    /// True if a circuit finds the first entry of a word that is set.
+    pub finds_first: bool,
 }
 
 impl Hardware {
@@ -209,6 +213,8 @@ impl Hardware {
             banks: 1,
             ports: 1,
             stages: 0,
+            entries: 0,
+            finds_first: false,
         }
     }
 

@@ -196,12 +196,30 @@ impl UnitStats {
         self.piece(Hardware { banks, ..Hardware::new(&self.place, HardwareKind::Table, about, count.into(), width) });
     }
 
-    /// Reports a table of `bits` flags, of which `per_cycle` are set or examined in a cycle. Look-ups follow each other in every cycle, and
-    /// each may change its flag, so there is a port for reading and one for writing.
+    /// Reports a table of `bits` flags, of which `per_cycle` are set in a cycle. Look-ups follow each other in every cycle, and each may
+    /// change its flag, so there is a port for reading and one for writing.
     pub fn flags(&mut self, about: &'static str, bits: u32, per_cycle: u32) {
-        let words = bits.div_ceil(per_cycle.max(1));
-        let table = Hardware::new(&self.place, HardwareKind::Table, about, words.into(), per_cycle.min(bits));
-        self.piece(Hardware { ports: 2, ..table });
+        let table = self.flag_table(about, bits, per_cycle);
+        self.piece(table);
+    }
+
+    /// Reports the same table with a circuit that examines `per_cycle` flags in a cycle and finds the first that is set.
+    pub fn searched_flags(&mut self, about: &'static str, bits: u32, per_cycle: u32) {
+        let table = self.flag_table(about, bits, per_cycle);
+        self.piece(Hardware { finds_first: true, ..table });
+    }
+
+    fn flag_table(&self, about: &'static str, bits: u32, per_cycle: u32) -> Hardware {
+        let (words, width) = (bits.div_ceil(per_cycle.max(1)), per_cycle.min(bits));
+        Hardware { ports: 2, entries: width, ..Hardware::new(&self.place, HardwareKind::Table, about, words.into(), width) }
+    }
+
+    /// Reports a list of `count` entries of `bits` bits in words of `per_cycle` entries. A circuit examines a word in a cycle and finds the
+    /// first entry that is set.
+    pub fn searched_list(&mut self, about: &'static str, count: u64, [bits, per_cycle]: [u32; 2], ports: u32) {
+        let words = count.div_ceil(per_cycle.max(1).into());
+        let table = Hardware::new(&self.place, HardwareKind::Table, about, words, bits.saturating_mul(per_cycle));
+        self.piece(Hardware { ports, entries: per_cycle, finds_first: true, ..table });
     }
 
     /// Reports a buffer of `count` lines that gather writes: `content` bits and the number of the line in each. A write searches all lines

@@ -91,6 +91,16 @@ pub(super) fn operand_choice(area: &AreaConfig, piece: &Hardware) -> f64 {
     area.multiplexer * bits * f64::from(piece.turns.saturating_sub(1)) * piece.count as f64
 }
 
+/// Choice of an entry of a word at each port, and the circuit that finds the first entry that is set. Assumed: the decoder of a port that
+/// writes an entry is as large as the multiplexer of a port that reads it.
+pub(super) fn entry_choice(area: &AreaConfig, piece: &Hardware) -> f64 {
+    let entries = f64::from(piece.entries);
+    let choice = area.multiplexer * f64::from(piece.width) * (1.0 - 1.0 / entries.max(1.0));
+    let search = if piece.finds_first { area.first_set * (entries - 2.1).max(0.0) } else { 0.0 };
+    let chosen = if piece.entries > 0 { choice * f64::from(piece.ports) } else { 0.0 };
+    (chosen + search) * f64::from(piece.banks)
+}
+
 /// Comparison of a tag with those of all ways, order of use, and choice of the word.
 pub(super) fn tag_comparator(area: &AreaConfig, ways: u32, tag_bits: u32) -> f64 {
     let n = f64::from(ways);

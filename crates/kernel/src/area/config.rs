@@ -42,6 +42,8 @@ parameters! {
         order_of_use: f64 = 17.0, unit: "GE", Derived("yosys 0.23, 4 points, at most 11 % off"), range: 0.0..=1000.0, effect: Cost;
         /// Choice among n words: times n - 1.
         multiplexer: f64 = 2.5, unit: "GE/bit", Derived("yosys 0.23, 12 points, at most 16 % off"), range: 0.0..=1000.0, effect: Cost;
+        /// Search of the first set flag of n: times n - 2.1.
+        first_set: f64 = 3.3, unit: "GE", Derived("yosys 0.23, 5 points, at most 4 % off"), range: 0.0..=1000.0, effect: Cost;
         /// SRAM macro of 2,048 bits or more, per bit and port.
         memory_bit: f64 = 1.4, unit: "GE/bit", Assumed("published layouts and area models span 0.6 to 2.5; it moves totals most"), range: 0.0..=1000.0, effect: Cost;
         /// SRAM macro, per port, besides its bits.

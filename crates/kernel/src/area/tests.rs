@@ -1,5 +1,6 @@
 use super::*;
 use crate::CacheConfig;
+use crate::stats::UnitStats;
 
 fn model(operators: Operators) -> AreaModel {
     AreaModel { area: AreaConfig::default(), operators, hz: 100_000_000 }
@@ -132,6 +133,38 @@ fn more_words_never_cost_less() {
     assert!((1..200).all(|words| of(words) <= of(words + 1)));
     let few = model(Operators::default()).of(&Hardware::new("u", HardwareKind::Table, "", 4, 40));
     assert_eq!((few.memory_bits, few.register_bits), (0, 160), "flip-flops");
+}
+
+#[test]
+fn wider_words_of_flags_cost_more() {
+    let of = |per_cycle, finds_first| {
+        let mut stats = UnitStats::default();
+        let report = if finds_first { UnitStats::searched_flags } else { UnitStats::flags };
+        report(&mut stats, "flags", 1 << 17, per_cycle);
+        ge(&stats.all_hardware()[0])
+    };
+    let widths = [1, 2, 16, 64, 1024, 8192, 16_384, 65_536];
+    for finds_first in [false, true] {
+        let areas = widths.map(|per_cycle| of(per_cycle, finds_first));
+        assert!(areas.is_sorted_by(|narrow, wide| narrow < wide), "{areas:?}");
+        assert!(areas[7] > 3.0 * areas[3], "a macro has 16 words at least: {areas:?}");
+    }
+    // Each of two ports chooses one of 64 flags.
+    assert_eq!((of(64, false) - of(1, false)).round(), 2.0 * 2.5 * 63.0);
+    // Row `prio` of tools/area/area.csv.
+    assert!(((of(64, true) - of(64, false)) / 210.8 - 1.0).abs() < 0.04);
+}
+
+#[test]
+fn wider_words_of_a_list_cost_more() {
+    let of = |per_cycle| {
+        let mut stats = UnitStats::default();
+        stats.searched_list("list", 1 << 16, [2, per_cycle], 6);
+        ge(&stats.all_hardware()[0])
+    };
+    // Six ports choose one of 16 entries of 2 bits; the search has a gate per entry.
+    assert_eq!((of(16) - of(1)).round(), (6.0_f64 * 2.5 * 30.0 + 3.3 * 13.9).round());
+    assert!(of(1024) > 30_000.0 + of(16));
 }
 
 #[test]

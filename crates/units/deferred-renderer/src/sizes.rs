@@ -80,15 +80,15 @@ impl TableSizes {
     ///
     /// The lists have a port for reading and a port for writing, because each mark changes the state of its tile. Four more ports read the
     /// sources of a word of tiles, which are four words. In the progressive mode, the search of Figure 7B reads up to `engine.scan_rate`
-    /// words per cycle.
+    /// words per cycle. Each port chooses a tile of its word. A circuit finds the first tile of a word in state L.
     ///
     /// In the order of the lists, the tiles to acquire have no table of their own: the circuit could request each tile when it finds it
     /// in state L. It would then need no more cycles than the unit takes, which finds all tiles before the first request.
     pub(crate) fn tell_lists(self, config: &EngineConfig, mode: RenderMode, order: TileOrder, stats: &mut UnitStats) {
-        let (tiles, rate) = (self.tiles, config.list_rate);
+        let tiles = self.tiles;
         let searched = if mode == RenderMode::Progressive { config.scan_rate } else { 0 };
         let ports = 2 + SOURCES + searched;
-        stats.ported_table("tile load lists (136): N, L or E", tiles.div_ceil(rate.into()), 2 * rate, ports);
+        stats.searched_list("tile load lists (136): N, L or E", tiles, [2, config.list_rate], ports);
         stats.hardware(HardwareKind::Registers, "pitch (138) and base (140) of a page's layers", self.layers, SIDE + ADDRESS);
         stats.hardware(HardwareKind::Adder, "numbers of sources", SOURCES, ADDRESS);
         if order != TileOrder::Listed {

@@ -187,7 +187,7 @@ impl<T: ColorToken> Unit for FrameBuffer<T> {
         // Colours, and a mask of written pixels.
         stats.gathered_lines(self.config.write_lines, LINE_PIXELS * (COLOR + 1), LINE_NUMBER);
         let flags = if self.config.clear_flags { self.config.flags } else { 0 };
-        stats.flags("flags of clear lines", flags, self.config.flags_per_cycle);
+        stats.searched_flags("flags of clear lines", flags, self.config.flags_per_cycle);
         let c = &self.state.counters;
         stats.figure("pixels", c.pixels, "pixels", "Pixels written");
         stats.figure("frames", c.frames, "frames", "Frames finished");

@@ -43,6 +43,8 @@ fn tile_lists_have_a_port_per_access() {
     assert_eq!(of(1024, 1, RenderMode::Best), (64, 2048, 6));
     assert_eq!(of(16, 4, RenderMode::Best), (4096, 32, 6), "all tiles are present: no search");
     assert_eq!([1, 4].map(|rate| of(16, rate, RenderMode::Progressive).2), [7, 10], "the search reads words, too");
+    let Hardware { entries, finds_first, .. } = piece(&lists(16, 1, RenderMode::Best, TileOrder::Listed), "tile load lists");
+    assert_eq!((entries, finds_first), (16, true), "a circuit finds the next tile in state L");
     let ordered = lists(16, 1, RenderMode::Best, TileOrder::Pixels);
     assert_eq!(table(&ordered, "pixels and distance"), (65_536, 64, 2), "a mark is added to its tile");
 }

@@ -144,6 +144,18 @@ fn flags_take_cycles_at_both_ends_of_a_frame() {
 }
 
 #[test]
+fn flags_examined_in_a_cycle_are_searched_at_once() {
+    let words = |flags_per_cycle| {
+        let config = FrameBufferConfig { flags_per_cycle, ..FrameBufferConfig::default() };
+        let mut stats = UnitStats::default();
+        FrameBuffer::<Stamp<Pixel>>::new(config, &DisplayConfig::default()).report_stats(&mut stats);
+        let piece = stats.all_hardware().iter().find(|piece| piece.about == "flags of clear lines").unwrap();
+        (piece.count, piece.entries, piece.finds_first)
+    };
+    assert_eq!([64, 65_536].map(words), [(2048, 64, true), (2, 65_536, true)]);
+}
+
+#[test]
 fn oversized_picture_is_a_fault_without_memory() {
     let mut unit = unit(8);
     let mut traffic = MemoryPorts::default();
