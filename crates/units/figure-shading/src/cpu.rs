@@ -27,8 +27,10 @@ parameters! {
         store: u32 = 1, unit: "cycles", Assumed("the same, through a write buffer"), range: 0..=65_536;
         /// Integer operation, or a branch.
         integer: u32 = 1, unit: "cycles", Assumed("the same"), range: 0..=65_536;
-        /// Registers for the operands of the floating-point unit, with two ports for reading and one for writing.
-        registers: u32 = 16, unit: "words", Assumed("the same: 16 registers"), range: 1..=1024;
+        /// Registers for the operands of the floating-point unit, with two ports for reading and one for writing. The light of a sample
+        /// point needs 16 at a time: the normal (3), Kd, Ka*Ia, Ks and the colour (6), Is, the sums of diffuse and specular light, a
+        /// product and the sum of an inner product, 0 and 1. Fewer would need more loads than the operations of the CPU have.
+        registers: u32 = 16, unit: "words", Assumed("the same: 16 registers"), range: 16..=1024;
     }
 }
 
@@ -106,6 +108,17 @@ impl CpuConfig {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use basrelief_parameters::Parameters;
+
+    #[test]
+    fn fewer_registers_than_light_needs_are_an_error() {
+        let check = |registers| CpuConfig { registers, ..CpuConfig::default() }.check("cpu.");
+        let (normal, coefficients, intensity, sums, partial, bounds) = (3, 3 + 3, 1, 2, 2, 2);
+        let least = normal + coefficients + intensity + sums + partial + bounds;
+        assert!(check(least).is_ok());
+        let error = check(least - 1).unwrap_err().to_string();
+        assert!(error.contains("cpu.registers") && error.contains("16..=1024"), "{error}");
+    }
 
     #[test]
     fn operation_cycles_follow_table_and_scale() {
