@@ -225,8 +225,9 @@ fn input_hash_matches_the_report() {
 
 /// Returns the SHA-256 of the work that a recording states.
 fn work(recording: &[u8]) -> String {
-    let text = String::from_utf8_lossy(&recording[recording.len() - 80..]).into_owned();
-    text[text.find("\"work\":").unwrap()..].to_owned()
+    let text = String::from_utf8_lossy(&recording[recording.len() - 120..]).into_owned();
+    let stated = text.split_once("\"work\":\"").unwrap().1;
+    stated.split_once('"').unwrap().0.to_owned()
 }
 
 #[test]
