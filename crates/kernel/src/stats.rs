@@ -222,6 +222,19 @@ impl UnitStats {
         self.piece(Hardware { ports, entries: per_cycle, finds_first: true, ..table });
     }
 
+    /// Reports a directory of `count` entries that is searched by a key, with their order of use. A key has fields of these widths, and an
+    /// entry has `content` more bits. All entries are searched at once, so each compares its own key. A hit also moves the entries that
+    /// were used later, so each compares its position and counts up. The place that an entry describes is its number.
+    pub fn directory(&mut self, about: &'static str, count: u32, key: &[u32], content: u32) {
+        let position = count.max(1).next_power_of_two().trailing_zeros();
+        for &field in key {
+            self.hardware(HardwareKind::Adder, "key of an entry", count, OperandWidth::from(field).of_integers());
+        }
+        let position_width = OperandWidth::from(position).of_integers();
+        self.hardware(HardwareKind::Adder, "order of use of the entries", 2 * count, position_width);
+        self.hardware(HardwareKind::Registers, about, count, key.iter().sum::<u32>() + content + position);
+    }
+
     /// Reports a buffer of `count` lines that gather writes: `content` bits and the number of the line in each. A write searches all lines
     /// at once, so each line compares its number (assumed: as fully associative write buffers of the time).
     pub fn gathered_lines(&mut self, count: u32, content: u32, number: u32) {

@@ -3,8 +3,8 @@
 
 use crate::clut::EntryScale;
 use crate::{BrightnessConfig, ClutKey, ClutLevels};
+use basrelief_kernel::UnitTable;
 use basrelief_kernel::stats::UnitStats;
-use basrelief_kernel::{HardwareKind, OperandWidth, UnitTable};
 use basrelief_shading::{LEVELS, TableError};
 use basrelief_signals::quantization_memory::{CLUTS, OTHER_TABLES, clut_stride};
 use serde::{Deserialize, Serialize};
@@ -15,19 +15,9 @@ const NUMBER: u32 = 32;
 /// Number of reference normals that an object fixes, up to 2^16, and a bit for a code book \[bits\].
 const TABLE: u32 = 17 + 1;
 
-/// Reports the directory of the sets. A key is searched in all entries at once, so each entry compares its own. The place of a set in
-/// memory is the number of its entry. A hit also moves the later sets in the order of use, so each entry compares its position and
-/// counts up.
+/// Reports the directory of the sets: the key, a valid bit, and a bit for each calculated level.
 pub(crate) fn tell_directory(config: &BrightnessConfig, stats: &mut UnitStats) {
-    let (sets, position) = (config.sets, config.sets.max(1).next_power_of_two().trailing_zeros());
-    let entry = 2 * NUMBER + TABLE + 1 + LEVELS as u32 + position;
-    let mut adders = |about, count: u32, width: u32| {
-        stats.hardware(HardwareKind::Adder, about, count, OperandWidth::from(width).of_integers());
-    };
-    adders("material and lights of a set", 2 * sets, NUMBER);
-    adders("table of a set", sets, TABLE);
-    adders("order of use of the sets", 2 * sets, position);
-    stats.hardware(HardwareKind::Registers, "sets of CLUTs: key, valid, levels, order of use", sets, entry);
+    stats.directory("sets of CLUTs: key, valid, levels, order of use", config.sets, &[NUMBER, NUMBER, TABLE], 1 + LEVELS as u32);
 }
 
 /// A set: its key, its position, and the levels calculated so far.
@@ -140,6 +130,7 @@ impl ClutSets {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use basrelief_kernel::HardwareKind;
 
     #[test]
     fn each_set_has_registers_and_a_comparator() {
@@ -150,9 +141,9 @@ mod tests {
         };
         let (adder, registers) = (HardwareKind::Adder, HardwareKind::Registers);
         // Two numbers of 32 bits, 18 bits of the table, a valid bit and one for each of eight levels.
-        assert_eq!(of(1), [(adder, 2, 32), (adder, 1, 18), (registers, 1, 91)]);
-        assert_eq!(of(16), [(adder, 32, 32), (adder, 16, 18), (adder, 32, 4), (registers, 16, 95)]);
-        assert_eq!(of(4096)[2..], [(adder, 8192, 12), (registers, 4096, 103)]);
+        assert_eq!(of(1), [(adder, 1, 32), (adder, 1, 32), (adder, 1, 18), (registers, 1, 91)]);
+        assert_eq!(of(16)[2..], [(adder, 16, 18), (adder, 32, 4), (registers, 16, 95)]);
+        assert_eq!(of(4096)[3..], [(adder, 8192, 12), (registers, 4096, 103)]);
     }
 
     fn key(entries: u32) -> ClutKey {

@@ -8,6 +8,7 @@ use crate::{CodeBookMode, ReplacementConfig, ReplacementState, TablePolicy};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, Operators, Step, Unit, UnitTable};
 use basrelief_shading::{LEVELS, TableError};
+use basrelief_signals::width::LEVEL;
 use basrelief_signals::{Control, Flow, MAX_STAMP, NormalIndexes, ObjectInfo, PseudoNormals, StampSample, StampSamples};
 use std::sync::Arc;
 
@@ -16,6 +17,8 @@ const TABLES: u32 = 0;
 /// Client that writes and reads gathered pseudo-normals and the data held beside them, and writes code books.
 pub(crate) const GATHERED: u32 = 1;
 
+/// Number of entries of a VQ table, up to 2^16 \[bits\].
+const SIZE_BITS: u32 = 17;
 /// Width of the record of an object: its number, fragments, and the sum of their level of detail \[bits\].
 const OBJECT_BITS: u32 = 16 + 32 + 38;
 
@@ -258,7 +261,9 @@ impl Replacement {
         let held = u64::from(c.resident_tables) * u64::from(most);
         // Each lane reads a direction of its own in every cycle.
         stats.banked_table("VQ tables (121)", held, 3 * c.entry_bits, c.inner_products());
-        if c.codebook != CodeBookMode::Fixed {
+        if c.codebook == CodeBookMode::Fixed {
+            stats.directory("resident VQ tables: level and size, valid, order of use", c.resident_tables, &[LEVEL, SIZE_BITS], 1);
+        } else {
             stats.hardware(HardwareKind::Divider, "unit length of directions", 1_u64, width);
             stats.hardware(HardwareKind::SquareRoot, "unit length of directions", 1_u64, width);
             // Sums of 2^32 directions of an entry.

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::{NearestSearch, PerLevel, TableSource};
+use basrelief_kernel::Request;
 use basrelief_kernel::stats::UnitStats;
-use basrelief_kernel::{HardwareKind, Request};
 use basrelief_shading::{ReferenceNormals, reference_normals};
 use basrelief_signals::{Fragment, Material, ObjectInfo, Polygon, Stamp, Vertex, quantization_memory};
 use proptest::prelude::*;
@@ -180,11 +180,30 @@ fn pipelined_search_passes_normals_from_row_to_row() {
         let unit = Replacement::new(ReplacementConfig { lanes, pipelined, ..config() }, 16, &Operators::default()).unwrap();
         let mut stats = UnitStats::default();
         unit.report_stats(&mut stats);
-        let registers = stats.all_hardware().iter().filter(|piece| piece.kind == HardwareKind::Registers);
+        let registers = stats.all_hardware().iter().filter(|piece| piece.about.starts_with("N' on its way"));
         registers.map(|piece| piece.bits()).sum::<u64>()
     };
     // 256 entries in rows of 64 lanes: N' waits once before each row but the first.
     assert_eq!([bits(64, true), bits(64, false), bits(256, true)], [3 * 3 * 16, 0, 0]);
+}
+
+#[test]
+fn each_resident_table_has_an_entry_of_the_directory() {
+    let pieces = |resident_tables, codebook| {
+        let unit =
+            Replacement::new(ReplacementConfig { resident_tables, codebook, ..config() }, 16, &Operators::default()).unwrap();
+        let mut stats = UnitStats::default();
+        unit.report_stats(&mut stats);
+        let of = |about: &str| {
+            let piece = stats.all_hardware().iter().find(|piece| piece.about.starts_with(about));
+            piece.map_or((0, 0), |piece| (piece.count, piece.width))
+        };
+        ["resident VQ tables", "key of an entry", "order of use"].map(of)
+    };
+    // Level, size, a valid bit, and the position among 8.
+    assert_eq!(pieces(8, CodeBookMode::Fixed), [(8, 3 + 17 + 1 + 3), (8, 3), (16, 3)]);
+    assert_eq!(pieces(1, CodeBookMode::Fixed), [(1, 3 + 17 + 1), (1, 3), (0, 0)]);
+    assert_eq!(pieces(8, CodeBookMode::PerObject), [(0, 0); 3], "there is only the table in use");
 }
 
 #[test]
