@@ -20,17 +20,16 @@ parameters! {
     /// A memory: channels that share nothing, each with banks of open rows and one data bus (law 4). Names are JEDEC's; times
     /// are in cycles of the device's clock.
     pub struct MemoryConfig {
-        /// What it is made of, by its data sheet: fpm-80, edo-60, sdr-100, sdr-133, ddr-400, ddr2-667, gddr3-1400, xdr-3200,
-        /// edram-ps2, sram or ideal. Fills times, burst, banks and rows, each where it is not set beside it; custom fills
-        /// nothing.
+        /// Part, by its data sheet: fpm-80, edo-60, sdr-100, sdr-133, ddr-400, ddr2-667, gddr3-1400, xdr-3200, edram-ps2, sram
+        /// or ideal. It gives the times, burst, banks and rows that are not set. custom gives none.
         part: MemoryPart = MemoryPart::Custom, unit: "", Assumed("numbers as they stand"), effect: Timing;
         /// Channels.
         channels: u32 = 1, unit: "channels", Assumed("the least there can be"), range: 1..=64, effect: Timing;
-        /// Consecutive bytes that lie in one channel; the next lie in the next.
-        channel_bytes: u32 = 256, unit: "bytes", Assumed("four bursts: what is read together lies together, what is read next lies elsewhere"), range: 4..=1048576, effect: Timing;
-        /// Requests that a channel chooses from: the first of those not served; 1 is order of arrival.
+        /// Consecutive bytes in one channel. The bytes after them are in the next channel.
+        channel_bytes: u32 = 256, unit: "bytes", Assumed("four bursts: data that are read together lie in one channel, and the data that are read next in another"), range: 4..=1048576, effect: Timing;
+        /// Waiting bursts that a channel chooses from, oldest first. 1 serves bursts in order of arrival.
         window: u32 = 16, unit: "bursts", Assumed("a controller's queue of the usual size"), range: 1..=256, effect: Timing;
-        /// How often the oldest in view may be passed over before it is next.
+        /// Most later bursts that are served before the oldest one in the window.
         cap: u32 = 16, unit: "bursts", Assumed("as many as are in view"), range: 0..=65536, effect: Timing;
         /// CL: from a read command to its first data.
         cl: u32 = 3, unit: "cycles", Assumed("DDR-400 at 200 MHz: 15 ns"), range: 0..=1024, effect: Timing;
@@ -50,7 +49,7 @@ parameters! {
         wtr: u32 = 2, unit: "cycles", Assumed("DDR-400: two clocks (JESD79)"), range: 0..=1024, effect: Timing;
         /// tRRD: from activation to activation of another bank.
         rrd: u32 = 2, unit: "cycles", Assumed("DDR-400 at 200 MHz: 10 ns"), range: 0..=1024, effect: Timing;
-        /// tFAW: in which at most four activations go.
+        /// tFAW: interval with at most four activations.
         faw: u32 = 0, unit: "cycles", Assumed("DDR has no such limit"), range: 0..=4096, effect: Timing;
         /// tREFI: from refresh to refresh; 0 is never. More than `rfc` and `rcd` together.
         refi: u32 = 1560, unit: "cycles", Assumed("7.8 us at 200 MHz (JESD79)"), range: 0..=16777216, effect: Timing;
@@ -86,7 +85,7 @@ parameters! {
         hit_latency: u32 = 2, unit: "cycles", Assumed("tag, then data"), range: 0..=1024, effect: Timing;
         /// Look-ups per cycle. A step looks up each of its lines once, however many values it reads there.
         lookups_per_cycle: u32 = 4, unit: "look-ups/cycle", Assumed("one for each of four neighbouring values; 1 where a step reads one line"), range: 1..=64, effect: Timing;
-        /// Every look-up finds its line: no hardware, but what misses cost is the difference.
+        /// True if every look-up hits, which no hardware can do. The difference in cycles is the cost of the misses.
         always_hits: bool = false, unit: "", Assumed("caches miss"), effect: Timing;
     }
 }

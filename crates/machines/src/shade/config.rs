@@ -20,7 +20,7 @@ use std::sync::Arc;
 parameters! {
     /// Frame memory (300).
     pub struct FrameMemoryConfig {
-        /// Whether dots are tested for depth. Otherwise, later dots replace earlier ones.
+        /// True if dots are tested for depth. Otherwise, later dots replace earlier ones.
         depth_test: bool = true, unit: "", Assumed("the patent has none; polygons would have to come sorted");
     }
 }

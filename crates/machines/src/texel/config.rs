@@ -23,7 +23,7 @@ use basrelief_texel_value_generator::{
 parameters! {
     /// Pixel value buffer (360).
     pub struct PixelValueBufferConfig {
-        /// Whether pixels are tested for depth. Otherwise, later pixels replace earlier ones.
+        /// True if pixels are tested for depth. Otherwise, later pixels replace earlier ones.
         depth_test: bool = true, unit: "", Assumed("the patent has none; polygons would have to come sorted");
     }
 }

@@ -105,7 +105,7 @@ parameters! {
         depth_pixel: DepthPixel = DepthPixel::Shared, unit: "", Stated("[0067], [0076]");
         /// Contents of the brightness coefficients: none (colours of material and vertices) or gouraud (times the brightness at
         /// the vertices).
-        lighting: LightingMode = LightingMode::None, unit: "", Assumed("what is fetched is told by the pictures alone; gouraud is the patent's use");
+        lighting: LightingMode = LightingMode::None, unit: "", Assumed("brightness does not change the loaded tiles; gouraud is the patent's use");
         /// Wrap modes: sampler (the texture's own), or repeat, mirror, clamp for all.
         wrap: WrapOverride = WrapOverride::Sampler, unit: "", Assumed("the scene knows");
         /// Progressive pictures after which the viewpoint changes (475: user input). 0: never.
@@ -176,7 +176,7 @@ parameters! {
     /// Cell of the reference buffer (126), Figures 3A and 3B.
     pub struct CellConfig {
         /// Texture page pointer (310).
-        page_bits: u32 = 11, unit: "bits", Assumed("2,048 pictures; the cell then has 128 bits"), range: 1..=15;
+        page_bits: u32 = 11, unit: "bits", Assumed("2,048 textures; the cell then has 128 bits"), range: 1..=15;
         /// Format of S and T (312): fixed or float.
         coordinate_format: NumberFormat = NumberFormat::Float, unit: "", Stated("[0092]: fixed or floating point");
         /// Width of S and of T (312).
@@ -190,7 +190,7 @@ parameters! {
         /// Fraction bits of a fixed D.
         depth_fraction_bits: u32 = 18, unit: "bits", Assumed("sign and five bits in front are more than any texture needs"), range: 0..=24;
         /// Width of each brightness coefficient IR, IG, IB (316). Direct colours have 8 bits.
-        brightness_bits: u32 = 8, unit: "bits", Assumed("as the colours of the picture"), range: 4..=16;
+        brightness_bits: u32 = 8, unit: "bits", Assumed("as the colours of the image"), range: 4..=16;
     }
 }
 
@@ -226,8 +226,8 @@ parameters! {
         /// True if each block has a flag for "not written in this frame". A pass does not read a flagged block. False: the beginning of
         /// the frame clears all blocks by writes.
         clear_flags: bool = true, unit: "", Assumed("as the z-test: a fast clear that moves no data has to be kept somewhere, a bit per block");
-        /// Number of flags. The beginning of the frame clears the blocks of a larger picture beyond the last flag.
-        flags: u32 = 131_072, unit: "bits", Assumed("as the z-test: pictures of 2 million pixels"), range: 1..=16_777_216;
+        /// Number of flags. The beginning of the frame clears the blocks of a larger image beyond the last flag.
+        flags: u32 = 131_072, unit: "bits", Assumed("as the z-test: images of 2 million pixels"), range: 1..=16_777_216;
         /// Flags that are set in a cycle.
         flags_per_cycle: u32 = 64, unit: "bits", Assumed("a word of the memory of the flags"), range: 1..=65_536;
         /// Entries of the tile load list (136) tested or reset per cycle.

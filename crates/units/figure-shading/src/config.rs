@@ -85,7 +85,7 @@ parameters! {
         /// Largest distance of any normal from the stored normal for the same plane.
         normal_tolerance: f32 = 1e-5, unit: "", Assumed("as shortcut.flatness.tolerance"), range: 0.0..=2.0;
         /// Largest difference of any point's depth from the stored plane for the same plane.
-        constant_tolerance: f32 = 1e-4, unit: "depth", Assumed("depth 0..1 over the picture; single-precision slopes of a polygon of some pixels, carried some hundred pixels on"), range: 0.0..=1.0;
+        constant_tolerance: f32 = 1e-4, unit: "depth", Assumed("depth 0..1 over the image; single-precision slopes of a polygon of some pixels, carried some hundred pixels on"), range: 0.0..=1.0;
     }
 }
 

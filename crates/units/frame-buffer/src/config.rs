@@ -15,8 +15,8 @@ parameters! {
         /// True if each line has a flag for "not drawn in this frame". The end of the frame clears the flagged lines. False: the
         /// beginning of the frame clears all lines.
         clear_flags: bool = true, unit: "", Assumed("a bit per line of 16 pixels spares the clearing of lines that are drawn");
-        /// Number of flags. The beginning of the frame clears the lines of a larger picture beyond the last flag.
-        flags: u32 = 131_072, unit: "bits", Assumed("16 KB: pictures of 2 million pixels, 1600 x 1200 and a little more"), range: 1..=16_777_216;
+        /// Number of flags. The beginning of the frame clears the lines of a larger image beyond the last flag.
+        flags: u32 = 131_072, unit: "bits", Assumed("16 KB: images of 2 million pixels, 1600 x 1200 and a little more"), range: 1..=16_777_216;
         /// Flags that are set or examined in a cycle.
         flags_per_cycle: u32 = 64, unit: "bits", Assumed("a word of the memory of the flags"), range: 1..=65_536;
     }
@@ -47,7 +47,7 @@ parameters! {
     /// Display, with its swap chain of colour buffers.
     pub struct DisplayConfig {
         /// True if the display reads the front buffer. False: no traffic, and buffers are free at once.
-        enabled: bool = true, unit: "", Assumed("a picture is looked at"), effect: Timing;
+        enabled: bool = true, unit: "", Assumed("a user looks at the images"), effect: Timing;
         /// Colour buffers of the swap chain. Drawing of a frame waits for a free one.
         buffers: u32 = 2, unit: "buffers", Assumed("double buffering"), range: 2..=8;
         /// Time of a flip: immediate or fifo.

@@ -44,7 +44,7 @@ parameters! {
     /// Graphics processor (104).
     pub struct GraphicsConfig {
         /// Time at which a list is drawn: streamed or after_list.
-        draw: DrawOrder = DrawOrder::Streamed, unit: "", Assumed("the flow chart draws after all bump targets (S24); streaming gives the same picture without holding results");
+        draw: DrawOrder = DrawOrder::Streamed, unit: "", Assumed("the flow chart draws after all bump targets (S24); streaming gives the same image without holding results");
         /// Filter within a level of the colour texture: nearest or bilinear.
         filter: TexelFilter = TexelFilter::Bilinear, unit: "", Assumed("ordinary texture mapping; four taps");
         /// MIP level of the colour texture: nearest or off.
@@ -52,11 +52,11 @@ parameters! {
         /// Size of a texel of a colour texture.
         texel_bytes: u32 = 4, unit: "bytes", Assumed("RGBA, 8 bits each; RGB is used"), range: 3..=16;
         /// Multipliers of the unit.
-        multipliers: u32 = 41, unit: "operators", Assumed("one pixel per cycle whatever it is: texture, vertex colours, brightness at the vertices"), range: 1..=1024;
+        multipliers: u32 = 41, unit: "operators", Assumed("one pixel per cycle of every kind: texture, vertex colours, brightness at the vertices"), range: 1..=1024;
         /// Adders of the unit.
         adders: u32 = 38, unit: "operators", Assumed("the same pixel"), range: 1..=1024;
         /// Stored entry per fragment of a bump target if `draw` is after_list: brightness, index or normal.
-        held: HeldEntry = HeldEntry::Brightness, unit: "", Stated("Figure 4: S22 is done for all bump targets before S24 draws; what is on the surface then is the brightness map of Figure 5");
+        held: HeldEntry = HeldEntry::Brightness, unit: "", Stated("Figure 4: S22 is done for all bump targets before S24 draws; the surface then has the brightness map of Figure 5");
         /// Most fragments of one frame that can wait if `draw` is after_list. Those of bump targets have an entry each. The
         /// others are found again in the display list.
         hold_fragments: u32 = 4_194_304, unit: "fragments", Assumed("13 layers of 640 x 480"), range: 1..=67_108_864;
@@ -78,8 +78,8 @@ parameters! {
         /// True if each line has a flag for "not written since the fast clear". A flagged line is not read. False: the beginning of the
         /// frame clears all lines by writes.
         clear_flags: bool = true, unit: "", Assumed("a fast clear that moves no data has to be kept somewhere: a bit per line of 16 pixels");
-        /// Number of flags. The beginning of the frame clears the lines of a larger picture beyond the last flag.
-        flags: u32 = 131_072, unit: "bits", Assumed("16 KB: pictures of 2 million pixels, 1600 x 1200 and a little more"), range: 1..=16_777_216;
+        /// Number of flags. The beginning of the frame clears the lines of a larger image beyond the last flag.
+        flags: u32 = 131_072, unit: "bits", Assumed("16 KB: images of 2 million pixels, 1600 x 1200 and a little more"), range: 1..=16_777_216;
         /// Flags that are set in a cycle.
         flags_per_cycle: u32 = 64, unit: "bits", Assumed("a word of the memory of the flags"), range: 1..=65_536;
         /// Cycles that the look-up of a flag takes before the look-up of the depth value.

@@ -22,7 +22,7 @@ parameters! {
     /// Rasterizer.
     pub struct RasterizerConfig {
         /// Sub-pixel bits n: window coordinates are snapped to steps of 2^-n pixel.
-        subpixel_bits: u32 = 8, unit: "bits", Assumed("eight bits are what graphics hardware has in common"), range: 1..=10;
+        subpixel_bits: u32 = 8, unit: "bits", Assumed("eight bits are common in graphics hardware"), range: 1..=10;
         /// Order in which the pixels of a triangle are visited: tiled, rows or columns.
         order: RasterOrder = RasterOrder::Tiled, unit: "", Assumed("Hakura and Gupta 1997: the working set of a texture is smaller in tiles than along long rows");
         /// Side of the square blocks in which `tiled` order visits a triangle, row by row.

@@ -91,7 +91,7 @@ parameters! {
         entries: PerLevel = PerLevel::One(256), unit: "reference normals", Stated("256 by default at level 0; the count may fall per level"), range: EachWithin(1..=MAX_ENTRIES as u32);
         /// Distribution of the reference normals: fibonacci or tetrahedron (4 k^2 entries).
         table: ReferenceNormals = ReferenceNormals::Fibonacci, unit: "", Assumed("even for every number of entries; the stated tetrahedron divided 8 x 8 is not");
-        /// Selects whether each level has reference normals of its own: different or identical.
+        /// Reference normals of the levels: different (each level has its own) or identical (all levels have those of level 0).
         tables: TableSource = TableSource::Different, unit: "", Stated("each level has a different set of vectors, even where counts are equal");
         /// Width of each component of a table entry.
         entry_bits: u32 = 16, unit: "bits", Assumed("no coarser than N'"), range: 8..=16;

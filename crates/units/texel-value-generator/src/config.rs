@@ -141,7 +141,7 @@ parameters! {
     /// Texel value generator (310): position of division points.
     pub struct TexelConfig {
         /// Method that positions division points: adaptive, exact, fixed or subpolygon.
-        method: Method = Method::Adaptive, unit: "", Stated("claims 1 to 3, Figures 4A, 4B, 5 and 6; the others are what the patent compares itself with");
+        method: Method = Method::Adaptive, unit: "", Stated("claims 1 to 3, Figures 4A, 4B, 5 and 6; the patent compares its method with the others");
         /// Accuracy criterion e in the storage element (step 442): largest distance between a pixel and the position of its
         /// texel. A frame or an object of a display list can select another.
         error_bound: f64 = 0.5, unit: "pixels", Stated("a fitting value of e is 0.5, half a pixel"), range: 0.001..=1024.0;
@@ -248,7 +248,7 @@ parameters! {
     /// Combiner (350).
     pub struct CombinerConfig {
         /// Combination of new and old value: replace, modulate or blend.
-        mode: CombineMode = CombineMode::Replace, unit: "", Assumed("the patent feeds the old value back and does not say what for");
+        mode: CombineMode = CombineMode::Replace, unit: "", Assumed("the patent feeds the old value back and states no purpose");
         /// Initiation interval of pixels.
         initiation_interval: u32 = 1, unit: "cycles", Assumed("a multiplier per component"), range: 1..=4096;
         /// Latency of a pixel, with the old value available.
@@ -256,7 +256,7 @@ parameters! {
         /// Part of the latency that needs the old pixel value.
         blend_latency: u32 = 2, unit: "cycles", Derived("the second product and the sum; the first product needs no old value"), range: 0..=4096;
         /// Cycles that the look-up of a line's flag takes before the line is read.
-        flag_latency: u32 = 0, unit: "cycles", Derived("the flag is read in the cycle that searches the lines on their way to memory; both decide whether the line is read"), range: 0..=4096;
+        flag_latency: u32 = 0, unit: "cycles", Derived("the flag is read in the cycle that searches the lines on their way to memory; a read of the line depends on both"), range: 0..=4096;
         /// Size of a pixel in the pixel value buffer (360), for reading back.
         pixel_bytes: u32 = 4, unit: "bytes", Assumed("as frame_buffer.pixel_bytes"), range: 3..=4;
     }
