@@ -17,7 +17,7 @@ pub struct UnitInfo {
 /// struct Adder;
 ///
 /// impl Unit for Adder {
-///     basrelief_kernel::unit_info!("adds what both inputs bring");
+///     basrelief_kernel::unit_info!("adds the values of both inputs");
 ///     type In = (Option<u32>, Option<u32>);
 ///     type Out = Option<u32>;
 ///
@@ -30,7 +30,7 @@ pub struct UnitInfo {
 ///     }
 /// }
 ///
-/// assert_eq!(Adder::INFO, UnitInfo { purpose: "adds what both inputs bring", module: module_path!() });
+/// assert_eq!(Adder::INFO, UnitInfo { purpose: "adds the values of both inputs", module: module_path!() });
 /// ```
 #[macro_export]
 macro_rules! unit_info {

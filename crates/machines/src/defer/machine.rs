@@ -181,7 +181,7 @@ impl PictureMachine for DeferredRenderer {
             "tile_bytes_of_conventional",
             share,
             "",
-            "What was loaded, encoded or raw alike, as a share of `conventional_tile_bytes`",
+            "Loaded tiles, encoded or raw alike, as a share of `conventional_tile_bytes`",
         );
     }
 }

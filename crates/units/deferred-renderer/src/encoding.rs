@@ -84,7 +84,7 @@ fn read<D: ImageDecoder>(decoder: ImageResult<D>, size: [u32; 2]) -> Result<Vec<
     let decoder = decoder.map_err(|e| e.to_string())?;
     let (width, height) = decoder.dimensions();
     if [width, height] != size || decoder.color_type() != image::ColorType::Rgb8 {
-        return Err(format!("is a picture of {width} x {height}, expected RGB of {} x {}", size[0], size[1]));
+        return Err(format!("is an image of {width} x {height}, expected RGB of {} x {}", size[0], size[1]));
     }
     let mut rgb = vec![0; 3 * size[0] as usize * size[1] as usize];
     decoder.read_image(&mut rgb).map_err(|e| e.to_string())?;

@@ -40,7 +40,7 @@ impl Gate {
 }
 
 impl Unit for Gate {
-    basrelief_kernel::unit_info!("holds the specular term back where it is negligible");
+    basrelief_kernel::unit_info!("blocks the specular term if it is negligible");
     type In = Option<SpecularFlow>;
     type Out = Option<SpecularFlow>;
 

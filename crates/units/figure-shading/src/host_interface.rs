@@ -192,8 +192,8 @@ impl Unit for HostInterface {
             3_u64,
             NUMBER,
         );
-        stats.figure("host_bytes", c.bytes, "bytes", "What the host computer sent");
-        stats.figure("polygons_sent", c.polygons, "polygons", "Polygons that it sent");
+        stats.figure("host_bytes", c.bytes, "bytes", "Data that the host computer sent");
+        stats.figure("polygons_sent", c.polygons, "polygons", "Polygons that the host computer sent");
         stats.figure("polygons_dropped", c.dropped, "polygons", "Polygons of fewer than three points, which were not drawn");
         stats.figure("polygons_textured", c.textured, "polygons", "Polygons with a colour texture, which took the base colour");
     }

@@ -135,7 +135,7 @@ impl PixelBuffer {
 }
 
 impl Unit for PixelBuffer {
-    basrelief_kernel::unit_info!("keeps the picture where the depth values were, and shows it");
+    basrelief_kernel::unit_info!("stores the image in place of the depth values, and shows it");
     type In = Option<PictureFlow>;
     type Out = Option<()>;
 

@@ -143,7 +143,7 @@ impl<T: ColorToken> FrameBuffer<T> {
 }
 
 impl<T: ColorToken> Unit for FrameBuffer<T> {
-    basrelief_kernel::unit_info!("keeps the picture");
+    basrelief_kernel::unit_info!("stores the image");
     type In = Option<Flow<T>>;
     type Out = ();
 

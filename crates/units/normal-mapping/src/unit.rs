@@ -218,13 +218,13 @@ impl Unit for NormalMapping {
             "distinct_pseudo_normals",
             u64::from(c.distinct.count()),
             "pseudo-normals",
-            "Distinct ones; more are not told apart from `distinct_pseudo_normals_counted_to`",
+            "Distinct pseudo-normals, counted up to `distinct_pseudo_normals_counted_to`",
         );
         stats.figure(
             "distinct_pseudo_normals_counted_to",
             u64::from(DistinctCounter::LIMIT),
             "pseudo-normals",
-            "So many distinct ones are counted, and no more",
+            "Limit of the count of distinct pseudo-normals",
         );
     }
 }

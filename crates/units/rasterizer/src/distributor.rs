@@ -27,7 +27,7 @@ pub struct Distributor {
 }
 
 impl Unit for Distributor {
-    basrelief_kernel::unit_info!("sends what is no bump target straight on to (104)");
+    basrelief_kernel::unit_info!("sends fragments without bump mapping directly to (104)");
     type In = Option<Flow<Stamp<Fragment>>>;
     type Out = (Option<Flow<Stamp<Fragment>>>, Option<Flow<Stamp<Fragment>>>);
 

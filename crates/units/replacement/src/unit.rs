@@ -337,7 +337,7 @@ impl Unit for Replacement {
             "Reference normals that some search found, by VQ table",
         );
         stats.figure("vq_table_loads", c.table_loads, "loads", "Loads of VQ tables");
-        stats.figure("vq_table_load_bytes", c.table_load_bytes, "bytes", "What they moved");
+        stats.figure("vq_table_load_bytes", c.table_load_bytes, "bytes", "Data of the loads of VQ tables");
         stats.figure(
             "vq_table_other_bytes",
             self.state.places.bytes(),
@@ -349,13 +349,8 @@ impl Unit for Replacement {
         stats.figure("clustering_cycles", c.clustering_cycles, "cycles", "Cycles that making them took");
         stats.figure("gathered_bytes", c.gathered_bytes, "bytes", "Pseudo-normals gathered for them");
         stats.figure("held_beside_bytes", c.held_beside_bytes, "bytes", "Fragments and control held beside those");
-        stats.figure(
-            "index_bytes",
-            c.searches * index_bytes,
-            "bytes",
-            "What indexes take that are kept on the surface, one per search",
-        );
-        stats.figure("full_normal_bytes", c.searches * normal_bytes, "bytes", "What normals would take in their place");
+        stats.figure("index_bytes", c.searches * index_bytes, "bytes", "Memory for the indexes on the surface, one per search");
+        stats.figure("full_normal_bytes", c.searches * normal_bytes, "bytes", "Memory for normals in place of these indexes");
     }
 }
 

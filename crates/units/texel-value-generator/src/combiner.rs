@@ -234,7 +234,7 @@ fn product(texture: u16, illuminance: u16) -> u8 {
 }
 
 impl Unit for Combiner {
-    basrelief_kernel::unit_info!("texture times illuminance, with the old value where asked");
+    basrelief_kernel::unit_info!("combines texture, illuminance and, in some modes, the old value");
     type In = (Option<Flow<TexturePacket>>, Option<Flow<IlluminancePacket>>);
     type Out = Option<Flow<PixelPacket>>;
 
