@@ -132,17 +132,17 @@ fn path_caption(path: &CriticalPath) -> String {
 /// The meaning of a part of the path.
 fn meaning(part: &PathPart) -> &'static str {
     match part.what.as_str() {
-        "occupancy" => "the unit is taken",
-        "latency" => "from the start of a step to its result",
-        "FIFO" => "through the FIFO",
-        "slot" => "for a free slot of the FIFO",
-        "arrival" => "of a request at its memory",
-        "bus" => "the data bus is taken",
-        "bank" => "the bank is not ready",
-        "data" => "for the data",
-        "order" => "for answers before it",
-        "cache" => "for the cache",
-        "refresh" => "for the refresh of the display",
-        _ => "in flight at the end",
+        "occupancy" => "cycles in which the unit is busy",
+        "latency" => "cycles from the start of a step to its result",
+        "FIFO" => "latency of the FIFO, and one token per cycle",
+        "slot" => "wait for a free slot of the FIFO",
+        "arrival" => "way of a request to its memory",
+        "bus" => "wait for other bursts and for the data bus",
+        "bank" => "wait for the row of the bank to open",
+        "data" => "cycles from the column command to the end of the data",
+        "order" => "wait for an earlier answer, or for the credit that it returns",
+        "cache" => "way of the data through the cache",
+        "refresh" => "wait of a flip for the display",
+        _ => "tokens in flight at the end",
     }
 }
