@@ -34,7 +34,9 @@ pub(super) fn explain(a: &Report, b: &Report, equal: bool, explained: Option<&Me
     sentences.push(match (&a.cycles, &b.cycles) {
         (Some(_), Some(_)) => {
             let why = explained.map(|explained| causes_in_words(explained, a.frame_cycles()));
-            let cycles = cycles(a.frame_cycles(), b.frame_cycles(), why, can_measure);
+            let terms = [a, b].map(Report::cycles_term);
+            let term = if terms[0] == terms[1] { terms[0] } else { "cycles" };
+            let cycles = cycles([a.frame_cycles(), b.frame_cycles()], term, why, can_measure);
             Clocks::of(a, b).sentences(a, b).into_iter().chain([cycles]).collect::<Vec<_>>().join(" ")
         }
         (None, None) => "Both runs are functional: they have no timing.".into(),
@@ -48,13 +50,13 @@ fn inputs_differ(a: &Report, b: &Report) -> bool {
     a.input.sha256 != b.input.sha256 && ![a, b].iter().any(|report| report.input.sha256.is_empty())
 }
 
-fn cycles(before: u64, after: u64, why: Option<String>, can_measure: bool) -> String {
+fn cycles([before, after]: [u64; 2], term: &str, why: Option<String>, can_measure: bool) -> String {
     let delta = i128::from(after) - i128::from(before);
     let relative = if before == 0 { String::new() } else { format!(" ({})", change_in_words(delta as f64 / before as f64)) };
     let head = match delta {
-        0 => format!("Both runs take {} cycles", thousands(after)),
-        1 | -1 => format!("B takes 1 cycle {}{relative}", if delta > 0 { "more" } else { "less" }),
-        _ => format!("B takes {} {} cycles{relative}", real(delta.abs() as f64), more_or_fewer(delta)),
+        0 => format!("Both runs take {} {term}", thousands(after)),
+        1 | -1 => format!("B takes 1 {} {}{relative}", term.trim_end_matches('s'), if delta > 0 { "more" } else { "less" }),
+        _ => format!("B takes {} {} {term}{relative}", real(delta.abs() as f64), more_or_fewer(delta)),
     };
     match why {
         Some(why) => format!("{head}{why}."),
@@ -133,8 +135,8 @@ mod tests {
     #[test]
     fn causes_are_sorted_and_small_ones_merged() {
         let two = [("memory.graphics", Some(-500_000)), (WORK, Some(-80_000))];
-        let head =
-            "B takes 600,000 fewer cycles (-60 %). Causes, each alone: memory.graphics: -500,000; work parameters (a.b): -80,000";
+        let head = "B takes 600,000 fewer render cycles (-60 %). Causes, each alone: memory.graphics: -500,000; work parameters \
+                    (a.b): -80,000";
         assert_eq!(sentence(&two, -20_000), format!("{head}; interaction: -20,000."));
         assert_eq!(sentence(&two, 0), format!("{head}."));
         let more = [two.as_slice(), &[("fifo.a", Some(-999)), ("fifo.b", Some(99)), ("fifo.c", Some(0))]].concat();
@@ -152,7 +154,7 @@ mod tests {
 
     #[test]
     fn single_cause_needs_no_list() {
-        let short = "B takes 600,000 fewer cycles (-60 %), all due to memory.graphics.";
+        let short = "B takes 600,000 fewer render cycles (-60 %), all due to memory.graphics.";
         assert_eq!(sentence(&[("memory.graphics", Some(-600_000))], 0), short);
         assert_eq!(sentence(&[("memory.graphics", Some(-600_000)), ("fifo.a", Some(0))], 0), short);
         assert!(
@@ -175,8 +177,8 @@ mod tests {
     fn missing_recording_reports_difference_and_cure() {
         let (a, b) = samples::before_and_after();
         let explanation = compare(&a, &b, None).explanation;
-        assert!(explanation.starts_with("B takes 600,000 fewer cycles (-60 %). To measure the causes, "), "{explanation}");
-        assert!(compare(&b, &a, None).explanation.starts_with("B takes 600,000 more cycles (+150 %). "));
+        assert!(explanation.starts_with("B takes 600,000 fewer render cycles (-60 %). To measure the causes, "), "{explanation}");
+        assert!(compare(&b, &a, None).explanation.starts_with("B takes 600,000 more render cycles (+150 %). "));
     }
 
     #[test]

@@ -64,7 +64,7 @@ mod tests {
     fn time_comes_before_cycles_if_clocks_differ() {
         let said = explanation(&balanced(), &at(20_000_000));
         let wanted = "A frame takes 2.500 ms in A and 25.000 ms in B (+900 %). The clock is 200 MHz in A and 20 MHz in B. Both runs \
-                      take 1,000,000 cycles.";
+                      take 1,000,000 render cycles.";
         assert_eq!(said, wanted);
         let (a, b) = before_and_after();
         assert!(!explanation(&a, &b).contains(" ms "), "one clock needs no time");

@@ -38,7 +38,7 @@ pub(super) fn numbers(report: &Report) -> Vec<(String, String)> {
     let per_frame = |n: u64| thousands(n / frames.unwrap_or(1));
     let mut list = vec![];
     if report.cycles.is_some() {
-        list.push((per_frame(report.frame_cycles()), format!("cycles{each}")));
+        list.push((per_frame(report.frame_cycles()), format!("{}{each}", report.cycles_term())));
     }
     let one = work(report).one;
     if let Some(d) = report.derived.get(&format!("cycles_per_{one}")) {

@@ -207,6 +207,12 @@ impl Report {
         self.cycles.as_ref().map_or(0, |cycles| cycles.total.saturating_sub(self.drain()))
     }
 
+    /// Returns the term for [`frame_cycles`](Self::frame_cycles): `render cycles`, or `cycles` for an incomplete run, whose last frame
+    /// is unfinished.
+    pub(crate) fn cycles_term(&self) -> &'static str {
+        if self.outcome.is_complete() { "render cycles" } else { "cycles" }
+    }
+
     /// Returns the frames over which totals are averaged, at least 1. `None` for an incomplete run: its totals include an unfinished
     /// frame, so a mean per frame would be wrong.
     pub(crate) fn averaged_frames(&self) -> Option<u64> {

@@ -77,10 +77,10 @@ fn title(report: &Report) -> String {
 
 fn frames(report: &Report, cycles: &Cycles) -> Vec<String> {
     let render = number::thousands(report.frame_cycles());
+    let term = report.cycles_term();
     let total = match report.drain() {
-        0 => format!("{render} cycles"),
-        tail if tail < report.frame_cycles() / 100 => format!("{render} render cycles"),
-        tail => format!("{render} render cycles; the run ends {} cycles later", number::thousands(tail)),
+        tail if tail <= report.frame_cycles() / 100 => format!("{render} {term}"),
+        tail => format!("{render} {term}; the run ends {} cycles later", number::thousands(tail)),
     };
     let (least, most) = (cycles.frames.iter().min(), cycles.frames.iter().max());
     let frames = least.zip(most).filter(|_| cycles.frames.len() > 1).map(|(&least, &most)| {
@@ -120,7 +120,7 @@ mod tests {
     fn first_screen_lists_further_tables() {
         let report = samples::balanced();
         let text = to_text(&report, TextStyle::default(), &[]);
-        assert!(text.contains("cycles per frame") && text.contains("bytes of memory traffic per frame"), "{text}");
+        assert!(text.contains("render cycles per frame") && text.contains("bytes of memory traffic per frame"), "{text}");
         assert!(text.lines().count() < 20, "{text}");
         assert!(text.contains("More tables: --tables all, or any of units,fifos,memories,"), "{text}");
         let units = to_text(&report, TextStyle::default(), &[TableGroup::Units]);
@@ -141,7 +141,7 @@ mod tests {
         report.figures.insert("fragments".into(), 7.into());
         report.derived = crate::derived::derive(&report);
         let text = to_text(&report.clone().with_host(1.0, 1.0), TextStyle::default(), &[]);
-        assert!(text.contains("500,000 cycles per frame (480,000 to 520,000), 142,857 per fragment"), "{text}");
+        assert!(text.contains("500,000 render cycles per frame (480,000 to 520,000), 142,857 per fragment"), "{text}");
         assert!(text.contains(" M cycles/s, 7 fragments/s)"), "{text}");
         let html = crate::to_html(&report, &crate::html::PageAssets::default()).unwrap();
         assert!(html.contains("<dt>cycles per fragment</dt><dd>142,857</dd>"), "{html}");

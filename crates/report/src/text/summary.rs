@@ -33,7 +33,8 @@ fn cycles(report: &Report) -> Option<String> {
     let time = hz.map_or(String::new(), |hz| {
         format!("; {} ms{each} at {} MHz", decimal(1000.0 * all as f64 / frames as f64 / hz, 3), real(hz / 1e6))
     });
-    Some(format!("{} cycles{each}{range}{}{time}", thousands(all / frames), per_work_item(all, "per", report)))
+    let term = report.cycles_term();
+    Some(format!("{} {term}{each}{range}{}{time}", thousands(all / frames), per_work_item(all, "per", report)))
 }
 
 fn quality(report: &Report) -> Option<String> {
