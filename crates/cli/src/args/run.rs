@@ -30,7 +30,7 @@ pub struct RunArgs {
     /// most five attempts, none later than 20 s after the first.
     #[arg(long, value_name = "URL", conflicts_with_all = ["input", "ablate", "compare_methods", "sensitivity"], value_parser = http)]
     pub from: Option<String>,
-    /// Connection timeout: how long to wait for a server that does not listen yet [s; default: 30].
+    /// Connection timeout: longest wait for a server that does not listen yet [s; default: 30].
     #[arg(long, value_name = "SECONDS", value_parser = whole::<u64>(0..=86_400))]
     pub wait: Option<u64>,
     /// Cache folder for tiles of the server.

@@ -117,7 +117,7 @@ pub struct Bottlenecks {
     pub balanced: Option<RelaxedSet>,
     /// Bottleneck ladder, from first to last rung. Each rung relaxes the resources of the rung before it, and the resource that holds
     /// most of the critical path then, together with units that are busy equally long. The last rung relaxes all other resources, once
-    /// they save at most a twentieth of what all resources save.
+    /// they save at most a twentieth of the savings of all resources.
     pub ladder: Vec<RelaxedSet>,
     /// Cycles saved when one resource is relaxed, largest saving first.
     pub single: Vec<RelaxedCycles>,
