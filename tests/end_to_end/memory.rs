@@ -107,7 +107,7 @@ fn address_space_limit_never_ends_in_signal() {
     for (machine, size, megabytes) in [("bump", "4096x2048", 300), ("defer", "2048x1024", 300), ("shade", "1024x768", 200)] {
         let line = format!("demo cut-plane@1 --machine {machine} --functional --quiet");
         let error = run(&place, megabytes, &format!("{line} --size {size}")).error(1).to_owned();
-        let said = format!("pictures of {} pixels", size.replace('x', " x "));
+        let said = format!("images of {} pixels", size.replace('x', " x "));
         assert!(error.contains(&said) && error.contains("(`ulimit -v`)"), "{megabytes} MiB: {size}: {error}");
         assert_eq!(run(&place, megabytes, &format!("{line} --size 320x240")).code(), 0, "{machine}, {megabytes} MiB");
     }
@@ -160,7 +160,7 @@ fn pictures_of_a_trace_count_against_limit() {
     writer.finish().expect("written");
     let error = place.run("run t.jsonl --memory-limit 100MiB --quiet");
     let error = error.error(1);
-    assert!(error.contains("t.jsonl: line 1: needs 408 MiB for pictures of 4096 x 2048 pixels"), "{error}");
+    assert!(error.contains("t.jsonl: line 1: needs 408 MiB for images of 4096 x 2048 pixels"), "{error}");
 }
 
 #[test]

@@ -44,8 +44,8 @@ fn geometry_that_disagrees_fails_the_check() {
     assert!(failed.error(1).starts_with("--agree 99.9: geometry agrees on"), "{}", failed.err);
     dump.as_object_mut().unwrap().remove("framebuffer");
     fs::write(place.path("a.json"), dump.to_string()).unwrap();
-    assert!(place.run("import-gl a.json --out a.gltf --agree 99.9 --quiet").error(1).contains("no picture with depth"));
-    assert!(place.ok("import-gl a.json --out a.gltf").out.contains("Nothing is compared, because the dump has no picture"));
+    assert!(place.run("import-gl a.json --out a.gltf --agree 99.9 --quiet").error(1).contains("no image with depth"));
+    assert!(place.ok("import-gl a.json --out a.gltf").out.contains("Nothing is compared, because the dump has no image"));
 }
 
 #[test]
@@ -61,7 +61,7 @@ fn import_without_picture_removes_older_pictures() {
     dump.as_object_mut().unwrap().remove("framebuffer");
     fs::write(place.path("a.json"), dump.to_string()).unwrap();
     let out = place.ok("import-gl a.json --out a.gltf").out;
-    assert!(out.contains("Removed a.exact.png, a picture of an earlier import"), "{out}");
+    assert!(out.contains("Removed a.exact.png, an image of an earlier import"), "{out}");
     assert_eq!(place.names("."), ["a.camera.json", "a.gltf", "a.json", "a.other.png"]);
 }
 

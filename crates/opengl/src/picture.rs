@@ -27,7 +27,7 @@ pub(crate) fn file_of(
     place: &str,
     budget: &MemoryPool,
 ) -> Result<(Vec<u8>, MemoryReservation), SceneError> {
-    let held = budget.try_reserve(2 * record.data.len() as u64, "a picture file").map_err(|e| over_budget(place, &e))?;
+    let held = budget.try_reserve(2 * record.data.len() as u64, "an image file").map_err(|e| over_budget(place, &e))?;
     let text: String = record.data.chars().filter(|c| !c.is_ascii_whitespace()).collect();
     let bytes = STANDARD.decode(text).map_err(|e| {
         SceneError::at(format!("{place}/__data__"), format!("not base64: {e}")).expected("base64").cure("write the dump again")
@@ -39,8 +39,8 @@ pub(crate) fn file_of(
 pub(crate) fn decode(record: &ImageRecord, place: &str, budget: &MemoryPool) -> Result<(Image, MemoryReservation), SceneError> {
     let (bytes, _file) = file_of(record, place, budget)?;
     if record.depth != 1 {
-        let what = format!("a picture of depth {}", record.depth);
-        return Err(SceneError::at(format!("{place}/__depth__"), what).expected("1: a two-dimensional picture"));
+        let what = format!("an image of depth {}", record.depth);
+        return Err(SceneError::at(format!("{place}/__depth__"), what).expected("1: a two-dimensional image"));
     }
     let (image, held) = decode_picture(&bytes, "", budget).map_err(|e| SceneError { place: format!("{place}/__data__"), ..e })?;
     if [image.width, image.height] != [record.width, record.height] {
@@ -65,7 +65,7 @@ pub(crate) fn application_picture(
     };
     let (image, _image) = decode(record, &place, budget)?;
     let window = Window::new(viewport, [image.width, image.height], &place)?;
-    let held = budget.try_reserve(window.pixels() * 8, "the application's picture").map_err(|e| over_budget(&*place, &e))?;
+    let held = budget.try_reserve(window.pixels() * 8, "the application's image").map_err(|e| over_budget(&*place, &e))?;
     let rgb: Vec<[u8; 3]> = window.cut(&image.texels).map(|[r, g, b, _]| [r, g, b]).collect();
     let depth = of(&["GL_DEPTH"]).map(|(place, record)| depths(record, &place, budget)).transpose()?;
     let depth: Option<Vec<f32>> =
@@ -115,14 +115,14 @@ type DepthRecord = ([u32; 2], Vec<f32>, MemoryReservation);
 fn depths(record: &ImageRecord, place: &str, budget: &MemoryPool) -> Result<DepthRecord, SceneError> {
     let (bytes, held) = file_of(record, place, budget)?;
     let fault = |what: &str| {
-        SceneError::at(format!("{place}/__data__"), what).expected("a PFM picture with one channel, of the stated size")
+        SceneError::at(format!("{place}/__data__"), what).expected("a PFM image with one channel, of the stated size")
     };
     let mut parts = bytes.splitn(4, |byte| *byte == b'\n');
     let mut line = || parts.next().and_then(|line| std::str::from_utf8(line).ok()).unwrap_or_default().to_owned();
     let [kind, size, _scale] = [line(), line(), line()];
     let rest = parts.next().unwrap_or_default();
     if kind != "Pf" || size != format!("{} {}", record.width, record.height) {
-        return Err(fault("another kind or size of picture"));
+        return Err(fault("another kind or size of image"));
     }
     if rest.len() as u64 != u64::from(record.width) * u64::from(record.height) * 4 {
         return Err(fault("has another number of bytes"));

@@ -32,7 +32,7 @@ impl GivenPixels {
         let pixels = rgba.as_chunks::<4>().0;
         if u64::from(*width) * u64::from(*height) * 4 != rgba.len() as u64 {
             return Err(CommandError::bad_input(format_args!(
-                "a picture of {width} x {height} pixels has {} bytes, expected 4 for each",
+                "an image of {width} x {height} pixels has {} bytes, expected 4 for each",
                 rgba.len()
             )));
         }
@@ -55,7 +55,7 @@ pub fn read_png(py: Python<'_>, path: PathBuf) -> PythonResult<Pixels<'_>> {
     let (image, _held) = py.detach(|| {
         let budget = budget(MemoryPool::DEFAULT);
         let file = File::open(&path).map_err(CommandError::at_file(&path, "be read"))?;
-        let bytes = read_to_end(&mut &file, 0, &budget, "a picture file");
+        let bytes = read_to_end(&mut &file, 0, &budget, "an image file");
         let (bytes, _file) = bytes.map_err(CommandError::at_file(&path, "be read"))?;
         decode_picture(&bytes, &path.display().to_string(), &budget).map_err(CommandError::bad_input)
     })?;

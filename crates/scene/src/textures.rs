@@ -53,7 +53,7 @@ impl TexturePicture<'_> {
         // The levels take as much again where the picture is a single row, a third of it elsewhere; heights have 8 bytes each.
         let finest = held.bytes();
         let beside = if let TextureContent::Heights(_) = content { 4 * finest } else { finest };
-        let what = format!("levels of {name}, a picture of {} x {}", image.width, image.height);
+        let what = format!("levels of {name}, an image of {} x {}", image.width, image.height);
         held.join(outside.take(beside + TEXTURE + name.len() as u64, "", what).map_err(|e| e.in_file(name))?);
         let levels = match content {
             TextureContent::Color => color_levels(image),

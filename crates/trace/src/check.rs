@@ -49,8 +49,7 @@ fn check_begin(begin: &BeginCommand) -> Result<(), CommandFault> {
     within("width", begin.width, SIDES)?;
     within("height", begin.height, SIDES)?;
     if u64::from(begin.width) * u64::from(begin.height) > MAX_PICTURE_PIXELS {
-        let message =
-            format!("makes pictures of {} x {} pixels, expected at most {MAX_PICTURE_PIXELS}", begin.width, begin.height);
+        let message = format!("makes images of {} x {} pixels, expected at most {MAX_PICTURE_PIXELS}", begin.width, begin.height);
         return Err(CommandFault::new("height", message));
     }
     Ok(())

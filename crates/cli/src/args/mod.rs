@@ -61,7 +61,7 @@ pub enum Command {
     Explore(ExploreArgs),
     /// Write the output of the geometry processor as a trace (display list).
     Record(RecordArgs),
-    /// Turn a frame of an OpenGL application, as state dumps of apitrace, into a scene; compare its picture with the application's.
+    /// Turn a frame of an OpenGL application, as state dumps of apitrace, into a scene; compare its image with the application's.
     ImportGl(ImportGlArgs),
     /// Run an OpenGL application under apitrace, and turn one of its frames into a scene as `import-gl` does. The trace and the dumps
     /// stay in the folder NAME.capture beside the scene.

@@ -39,7 +39,7 @@ pub struct CaptureArgs {
 /// Mapping and outputs of a frame.
 #[derive(Clone, Debug, Args)]
 pub struct GlSceneArgs {
-    /// The scene to write, NAME.gltf. Beside it: NAME.camera.json, and if the dumps have a picture NAME.application.png,
+    /// The scene to write, NAME.gltf. Beside it: NAME.camera.json, and if the dumps have an image NAME.application.png,
     /// NAME.exact.png and NAME.difference.png.
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,

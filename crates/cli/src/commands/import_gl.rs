@@ -85,7 +85,7 @@ pub fn import_dumps(dumps: &[Dump], args: &GlSceneArgs, global: &GlobalOptions) 
     let removed = if found.is_some() { Vec::new() } else { remove_pictures(&paths)? };
     if !global.quiet {
         print(&summary(&frame, found.as_ref(), &paths))?;
-        removed.iter().try_for_each(|path| print(&format!("Removed {}, a picture of an earlier import\n", path.display())))?;
+        removed.iter().try_for_each(|path| print(&format!("Removed {}, an image of an earlier import\n", path.display())))?;
     }
     check_agreement(args.agree, found.as_ref())
 }
@@ -109,7 +109,7 @@ fn write_outputs(frame: &GlFrame, found: Option<&PictureComparison>, paths: &Out
     files.into_iter().try_for_each(|(path, file)| file.publish().map_err(CommandError::at_file(&path, "be written")))
 }
 
-/// Removes the pictures of an earlier import, which do not belong to the new scene. Returns their paths.
+/// Removes the images of an earlier import, which do not belong to the new scene. Returns their paths.
 fn remove_pictures(paths: &OutputPaths) -> CommandResult<Vec<&Path>> {
     let old: Vec<&Path> = paths.pictures.iter().map(PathBuf::as_path).filter(|path| path.is_file()).collect();
     old.iter().try_for_each(|path| fs::remove_file(path).map_err(CommandError::at_file(path, "be removed")))?;
@@ -138,7 +138,7 @@ fn summary(frame: &GlFrame, found: Option<&PictureComparison>, paths: &OutputPat
         let quality = found.quality;
         let _ = writeln!(
             text,
-            "Application's picture against the reference image: PSNR {:.2} dB, FLIP {:.4}, largest difference {}",
+            "Application's image against the reference image: PSNR {:.2} dB, FLIP {:.4}, largest difference {}",
             quality.psnr_db, quality.flip, found.largest
         );
         let _ = match (found.shown_agreement(), found.geometry) {
@@ -152,7 +152,7 @@ fn summary(frame: &GlFrame, found: Option<&PictureComparison>, paths: &OutputPat
             _ => writeln!(text, "Geometry is not compared, because the dump has no depth"),
         };
     } else {
-        text.push_str("Nothing is compared, because the dump has no picture\n");
+        text.push_str("Nothing is compared, because the dump has no image\n");
     }
     let [width, height] = frame.size;
     let (scene, camera) = (paths.scene.display(), paths.camera.display());
@@ -169,6 +169,6 @@ fn check_agreement(least: Option<f64>, found: Option<&PictureComparison>) -> Com
         Some(percent) => {
             Err(CommandError::BadInput(format!("--agree {least}: geometry agrees on {percent} % of the pixels only")))
         }
-        None => Err(CommandError::BadInput(format!("--agree {least}: the dump has no picture with depth"))),
+        None => Err(CommandError::BadInput(format!("--agree {least}: the dump has no image with depth"))),
     }
 }

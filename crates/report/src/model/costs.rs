@@ -11,7 +11,7 @@ pub const LISTED: usize = 100;
 pub struct Costs {
     /// Number of units times cycles of the run.
     pub unit_cycles: u64,
-    /// Cycles for pixels of the pictures.
+    /// Cycles for pixels of the images.
     pub pixels: CycleBreakdown,
     /// Cycles for polygons, objects and frames, without their pixels.
     #[serde(alias = "elsewhere")]

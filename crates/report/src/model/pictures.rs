@@ -5,7 +5,7 @@ use basrelief_reference::QualityMetrics;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Quality of the pictures against reference images: of the final image, unless a name says otherwise.
+/// Quality of the images against reference images: of the final image, unless a name says otherwise.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PictureQuality {
     /// Quality of the final image.
@@ -17,18 +17,18 @@ pub struct PictureQuality {
     /// Quality of each image in order of time. Empty if only the final image was compared.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub frames: Vec<QualityMetrics>,
-    /// Worst PSNR and SSIM of all pictures.
+    /// Worst PSNR and SSIM of all images.
     #[serde(default)]
     pub min: LeastQuality,
-    /// Worst FLIP of all pictures.
+    /// Worst FLIP of all images.
     #[serde(default)]
     pub max: LargestError,
-    /// Mean over all pictures.
+    /// Mean over all images.
     #[serde(default = "no_quality")]
     pub mean: QualityMetrics,
 }
 
-/// Smallest measures of similarity over all pictures.
+/// Smallest measures of similarity over all images.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LeastQuality {
     /// Worst PSNR \[dB\].
@@ -37,7 +37,7 @@ pub struct LeastQuality {
     pub ssim: f64,
 }
 
-/// Largest measure of error over all pictures.
+/// Largest measure of error over all images.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LargestError {
     /// Worst FLIP, 0 to 1.
@@ -50,7 +50,7 @@ fn no_quality() -> QualityMetrics {
 }
 
 impl PictureQuality {
-    /// Summarizes the pictures of a run, in order of time, with the difference of the final one. Returns `None` if there is none.
+    /// Summarizes the images of a run, in order of time, with the difference of the final one. Returns `None` if there is none.
     pub fn of(pictures: &[QualityMetrics], difference: Option<Difference>) -> Option<Self> {
         let last = *pictures.last()?;
         let frames = if pictures.len() > 1 { pictures.to_vec() } else { vec![] };
@@ -60,7 +60,7 @@ impl PictureQuality {
         Some(quality)
     }
 
-    /// Computes minimum, maximum and mean from the pictures.
+    /// Computes minimum, maximum and mean from the images.
     pub(crate) fn summarize(&mut self) {
         let all = if self.frames.is_empty() { std::slice::from_ref(&self.last) } else { &self.frames[..] };
         let least = |of: fn(&QualityMetrics) -> f64| all.iter().map(of).fold(f64::INFINITY, f64::min);
@@ -71,7 +71,7 @@ impl PictureQuality {
     }
 }
 
-/// Absolute difference of 8-bit values of all colour components, over the pixels covered in either picture.
+/// Absolute difference of 8-bit values of all colour components, over the pixels covered in either image.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Difference {
     /// Mean, rounded to 6 decimals \[steps of 1/255\].
@@ -80,7 +80,7 @@ pub struct Difference {
     pub largest: u8,
 }
 
-/// A picture of the run.
+/// An image of the run.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Picture {
     /// File name, without the path.

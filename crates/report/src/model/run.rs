@@ -34,7 +34,7 @@ pub struct Report {
     pub config: serde_json::Value,
     /// Camera, light and viewer of the last frame.
     pub camera: Camera,
-    /// Size of the pictures.
+    /// Size of the images.
     pub size: Size,
     /// Simulated time. A functional run has no timing, so it has no `cycles`, `units`, `fifos`, `memories` and `caches`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -77,7 +77,7 @@ pub struct Report {
     /// Unit of measure and meaning of each figure.
     #[serde(default)]
     pub legend: IndexMap<String, Legend>,
-    /// Quality of the pictures against reference images. Absent if no reference images were drawn.
+    /// Quality of the images against reference images. Absent if no reference images were drawn.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub quality: Option<PictureQuality>,
     /// Images in order of time; the final image is last.
@@ -282,7 +282,7 @@ impl OutcomeKind {
     }
 }
 
-/// Width and height of a picture.
+/// Width and height of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Size {
     /// \[pixels\].

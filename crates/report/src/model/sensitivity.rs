@@ -13,7 +13,7 @@ pub(crate) const PERCENT_PER_DB: f64 = 12.2;
 pub struct Sensitivity {
     /// The run with the given configuration.
     pub base: Measure,
-    /// Changes, largest effect first. The effect is the largest of the changes of cycles, time, bytes, area and picture; a decibel
+    /// Changes, largest effect first. The effect is the largest of the changes of cycles, time, bytes, area and quality; a decibel
     /// counts as 12.2 %. Equal effects keep the order of the parameters. Runs that did not finish are last.
     pub changes: Vec<ParameterChange>,
     /// Assumed parameters without neighbouring values: texts, and empty lists.

@@ -117,10 +117,10 @@ pub const DEMOS: &[DemoInfo] = &[
         goblet::build,
     ),
     DemoInfo::fixed("corridor", "A corridor with checkered floor, walls and ceiling, to the vanishing point.", corridor::build),
-    DemoInfo::fixed("turntable", "A box with a picture on every side, turning close to the eye.", turntable::build),
+    DemoInfo::fixed("turntable", "A box with an image on every side, turning close to the eye.", turntable::build),
     DemoInfo::fixed(
         "gallery",
-        "A hall with many large pictures, most of them hidden, oblique or far; `--frames` walks around in it.",
+        "A hall with many large paintings, most of them hidden, oblique or far; `--frames` walks around in it.",
         gallery::build,
     ),
 ];

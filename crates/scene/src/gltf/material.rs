@@ -136,7 +136,7 @@ impl<'a> MaterialBuilder<'a> {
         let place = format!("/textures/{}", info.index.0);
         let texture = resolve(&self.document.textures, "textures", info.index, || place.clone())?;
         for name in texture.extensions.keys() {
-            warnings.add(format!("{place}: the extension `{name}` is not supported: its picture is not used"));
+            warnings.add(format!("{place}: the extension `{name}` is not supported: its image is not used"));
         }
         let Some(source) = texture.source else {
             warnings.add(format!("{place} has no source that can be read: drawn without it"));

@@ -139,7 +139,7 @@ impl<'a> MaterialBuilder<'a> {
             None => self.decoded(map, content, warnings)?,
         };
         // A key, and its place in the table.
-        self.outside.hold(256 + map.file.len() as u64, "MTL", "names of pictures")?;
+        self.outside.hold(256 + map.file.len() as u64, "MTL", "names of images")?;
         self.shared.insert(key, texture.clone());
         Ok(texture)
     }
@@ -197,8 +197,7 @@ fn gain(map: &TextureMap, warnings: &mut ImportWarnings) -> f32 {
     if base == 0.0 && (0.0..=1.0).contains(&gain) {
         return gain as f32;
     }
-    warnings
-        .add("MTL option `-mm` of a colour picture is not supported unless its base is 0 and its gain 0..=1: drawn without it");
+    warnings.add("MTL option `-mm` of a colour image is not supported unless its base is 0 and its gain 0..=1: drawn without it");
     1.0
 }
 

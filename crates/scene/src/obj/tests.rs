@@ -62,7 +62,7 @@ fn height_map_beside_normal_map_is_a_warning() {
 #[test]
 fn corrupt_picture_is_an_error_that_names_it() {
     let files = MemoryFiles::default().with("lib/m.mtl", "newmtl stone\nmap_Kd c.png\n").with("lib/c.png", *b"GIF89a");
-    assert!(import(SQUARE, &files).unwrap_err().to_string().starts_with("lib/c.png: neither PNG nor JPEG (a GIF picture)"));
+    assert!(import(SQUARE, &files).unwrap_err().to_string().starts_with("lib/c.png: neither PNG nor JPEG (a GIF image)"));
 }
 
 #[test]

@@ -27,7 +27,7 @@ pub(crate) fn decode(bytes: &[u8], name: &str, outside: &ImportContext<'_>) -> R
         Some(PictureFormat::Png) => decode_png(bytes, name, outside),
         Some(PictureFormat::Jpeg) => jpeg::decode(bytes, name, outside),
         None => Err(SceneError::at("", format!("neither PNG nor JPEG{}", look_alike(bytes)))
-            .expected("a PNG or JPEG picture, whatever its file name says")
+            .expected("a PNG or JPEG image, whatever its file name says")
             .cure("convert it")),
     };
     decoded.map_err(|e| e.in_file(name))
@@ -84,11 +84,11 @@ pub(crate) fn sniff(bytes: &[u8]) -> Option<PictureFormat> {
 fn look_alike(bytes: &[u8]) -> &'static str {
     match bytes {
         [] => " (the file is empty)",
-        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => " (a WebP picture)",
+        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => " (a WebP image)",
         [0xab, b'K', b'T', b'X', ..] => " (a KTX texture)",
         [b'D', b'D', b'S', b' ', ..] => " (a DDS texture)",
-        [b'G', b'I', b'F', b'8', ..] => " (a GIF picture)",
-        [b'B', b'M', ..] => " (a BMP picture)",
+        [b'G', b'I', b'F', b'8', ..] => " (a GIF image)",
+        [b'B', b'M', ..] => " (a BMP image)",
         [0x89, b'P', b'N', b'G', ..] => " (a PNG whose signature was damaged, as by a text-mode transfer)",
         _ => "",
     }
@@ -103,9 +103,7 @@ fn png_fault(error: &ImageError) -> SceneError {
         other if other.to_string().contains("CRC") => "this PNG is corrupt: a checksum does not match",
         _ => "this PNG is corrupt",
     };
-    SceneError::at("", what)
-        .expected("a complete picture")
-        .cure("open it in a picture editor and save it again, or fetch it again")
+    SceneError::at("", what).expected("a complete image").cure("open it in an image editor and save it again, or fetch it again")
 }
 
 #[cfg(test)]
@@ -156,7 +154,7 @@ pub(crate) mod tests {
     fn oversized_picture_is_not_decoded() {
         let error = decoded(&png(512, 512, |_, _| [0; 4]), "big.png", 2 << 20).unwrap_err();
         let text = error.to_string();
-        assert!(text.starts_with("big.png: needs 2 MiB for texels of big.png, a picture of 512 x 512, beside"), "{text}");
+        assert!(text.starts_with("big.png: needs 2 MiB for texels of big.png, an image of 512 x 512, beside"), "{text}");
         assert!(text.contains("over the limit of 2 MiB; give more with --memory-limit") && error.over_budget, "{text}");
     }
 

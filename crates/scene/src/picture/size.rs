@@ -12,12 +12,12 @@ pub(super) fn check_size([width, height]: [u32; 2]) -> Result<(), SceneError> {
     if [width, height].iter().all(|side| (1..=MAX_SIDE).contains(side)) {
         return Ok(());
     }
-    Err(SceneError::at("", format!("picture is {width} x {height} texels"))
+    Err(SceneError::at("", format!("image is {width} x {height} texels"))
         .expected(format!("1..={MAX_SIDE} per side"))
         .cure("scale it down"))
 }
 
 /// Returns the words that name a picture as the reason of a reservation.
 pub(super) fn texels_of(name: &str, [width, height]: [u32; 2]) -> String {
-    format!("texels of {name}, a picture of {width} x {height}")
+    format!("texels of {name}, an image of {width} x {height}")
 }

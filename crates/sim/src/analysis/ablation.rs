@@ -73,12 +73,12 @@ impl Observer for PictureComparison<'_> {
     fn frame(&mut self, pictures: &FramePictures<'_>) -> Result<(), String> {
         let rgb = &pictures.machine.rgb;
         if self.first {
-            let held = self.held.try_grow(size_of_val(rgb.as_slice()) as u64, "the pictures of the first run of an ablation");
-            held.map_err(|error| format!("{error}, or reduce the number of frames or the picture size"))?;
+            let held = self.held.try_grow(size_of_val(rgb.as_slice()) as u64, "the images of the first run of an ablation");
+            held.map_err(|error| format!("{error}, or reduce the number of frames or the image size"))?;
             self.kept.push(rgb.clone());
             return Ok(());
         }
-        let kept = self.kept.get(pictures.index).ok_or("the run has more pictures than the first run")?;
+        let kept = self.kept.get(pictures.index).ok_or("the run has more images than the first run")?;
         let steps = kept.as_flattened().iter().zip(rgb.as_flattened()).map(|(a, b)| a.abs_diff(*b));
         self.largest = steps.max().unwrap_or(0).max(self.largest);
         Ok(())
@@ -112,7 +112,7 @@ mod tests {
         show(&mut comparison, 0, &picture(91)).unwrap();
         show(&mut comparison, 1, &picture(52)).unwrap();
         assert_eq!(comparison.largest, 9);
-        assert!(show(&mut comparison, 2, &picture(0)).unwrap_err().contains("more pictures"));
+        assert!(show(&mut comparison, 2, &picture(0)).unwrap_err().contains("more images"));
     }
 
     #[test]

@@ -33,7 +33,7 @@ pub(crate) fn reserve_pictures<S: MachineSpec>(
         true => EXACT_PIXEL * pixels + METRICS_PIXEL * pixels.min(METRICS_PIXELS).max(METRICS_ROWS * u64::from(width)),
         false => 0,
     };
-    settings.budget.try_reserve(S::PIXEL_BYTES * pixels + exact, format!("pictures of {width} x {height} pixels"))
+    settings.budget.try_reserve(S::PIXEL_BYTES * pixels + exact, format!("images of {width} x {height} pixels"))
 }
 
 /// Reserves memory for the largest picture of a scene if the process gets only so much memory. The user gives the size.

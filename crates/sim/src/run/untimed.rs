@@ -63,7 +63,7 @@ fn underruns(run: &RunReport) -> Option<String> {
     let mut displays = ports.filter_map(|(memory, port)| Some((memory, port.counts.reads, port.periodic?.late)));
     let (memory, reads, late) = displays.find(|(.., late)| *late > 0)?;
     Some(format!(
-        "the display makes {} of its {} reads too late (underruns), so its picture has gaps; raise display.burst_bytes, or choose a faster \
+        "the display makes {} of its {} reads too late (underruns), so its image has gaps; raise display.burst_bytes, or choose a faster \
          memory.{memory}.part",
         thousands(late),
         thousands(reads)

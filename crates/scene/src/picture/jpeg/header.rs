@@ -230,15 +230,15 @@ fn end_of_scan(bytes: &[u8], from: usize) -> usize {
 pub(super) fn unsupported(what: impl std::fmt::Display) -> SceneError {
     SceneError::at("", format!("this JPEG {what}, which is not supported"))
         .expected("a baseline or progressive JPEG with Huffman coding, 8 bits per sample, and grey, YCbCr or RGB colours")
-        .cure("open it in a picture editor and save it as an ordinary JPEG or as PNG")
+        .cure("open it in an image editor and save it as an ordinary JPEG or as PNG")
 }
 
 pub(super) fn cut_off(why: &str) -> SceneError {
-    SceneError::at("", format!("this JPEG is cut off: {why}")).expected("a complete picture").cure("fetch it or export it again")
+    SceneError::at("", format!("this JPEG is cut off: {why}")).expected("a complete image").cure("fetch it or export it again")
 }
 
 pub(super) fn corrupt(why: impl std::fmt::Display) -> SceneError {
     SceneError::at("", format!("this JPEG is corrupt: {why}"))
-        .expected("a complete picture")
-        .cure("open it in a picture editor and save it again, or fetch it again")
+        .expected("a complete image")
+        .cure("open it in an image editor and save it again, or fetch it again")
 }
