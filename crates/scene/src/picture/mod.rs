@@ -27,7 +27,7 @@ pub(crate) fn decode(bytes: &[u8], name: &str, outside: &ImportContext<'_>) -> R
         Some(PictureFormat::Png) => decode_png(bytes, name, outside),
         Some(PictureFormat::Jpeg) => jpeg::decode(bytes, name, outside),
         None => Err(SceneError::at("", format!("neither PNG nor JPEG{}", look_alike(bytes)))
-            .expected("a PNG or JPEG image, whatever its file name says")
+            .expected("a PNG or JPEG image under any file name")
             .cure("convert it")),
     };
     decoded.map_err(|e| e.in_file(name))

@@ -65,7 +65,7 @@ fn read(bytes: &[u8], budget: &MemoryPool) -> Result<(SceneSubject, MemoryReserv
     let (head, left): (SceneManifest, _) =
         postcard::take_from_bytes(head).map_err(|e| SceneError::at("head", format!("corrupt: {e}")))?;
     if !left.is_empty() {
-        return Err(SceneError::at("head", format!("is {} bytes longer than what it says", left.len())));
+        return Err(SceneError::at("head", format!("is {} bytes longer than it states", left.len())));
     }
     let mut arrays = ArrayReader::new(rest, budget, held);
     let meshes = (0..).zip(&head.meshes).map(|(i, mesh)| arrays.mesh(i, mesh)).collect::<Result<Vec<Mesh>, _>>()?;

@@ -357,7 +357,7 @@ impl<'a> ActiveRun<'a> {
             );
         }
         (self.options.bottlenecks == AnalysisPolicy::Always && spec.acts_at_times()).then_some(
-            "bottlenecks are not analysed, because the time at which a view is left decides what the machine does; state numbers of tiles \
+            "bottlenecks are not analysed, because ends of views by time change the steps of the machine; state numbers of tiles \
              instead (defer.left_at_tile)",
         )
     }

@@ -104,7 +104,7 @@ impl FetchWorker {
     /// Hands a tile to the device.
     fn deliver_tile(&self, wanted: &TileRequest, tile: Result<Vec<u8>, String>) {
         let counted = |tile: Vec<u8>| {
-            let held = self.fetcher.budget().try_reserve(tile.len() as u64, "tiles that nobody has taken yet");
+            let held = self.fetcher.budget().try_reserve(tile.len() as u64, "tiles that are not used yet");
             held.map(|held| (Arc::from(tile), held)).map_err(|e| e.to_string())
         };
         self.queue.store_result(wanted.key(), tile.and_then(counted));
