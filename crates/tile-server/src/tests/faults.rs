@@ -88,7 +88,7 @@ fn lasting_fault_names_texture_layer_and_tile() {
         (ResponseFault::Dripping, "less than 1000 bytes/s"),
         (ResponseFault::DrippingHead, "too slow: the head of the answer takes more than 1 s"),
         (ResponseFault::Undecodable, "corrupt: "),
-        (ResponseFault::OtherSize, "picture of 3 x 2, expected RGB of 50 x 23"),
+        (ResponseFault::OtherSize, "image of 3 x 2, expected RGB of 50 x 23"),
     ] {
         let (url, _) = faulty(u32::MAX, move |_| fault);
         let (tile, error) = all(&mut source_without_cache(new_fetcher(&url, retry_policy(fault)), fetch(1, 1))).unwrap_err();
