@@ -1,5 +1,6 @@
 //! Curves through the plane.
 
+use basrelief_signals::MapInline as _;
 use glam::DVec2;
 
 /// A cubic B-spline of N >= 4 control points: uniform knots, but for its ends, which are the first and the last control
@@ -11,10 +12,11 @@ impl<const N: usize> CubicSpline<N> {
     const SPANS: usize = N - 3;
 
     /// The point at t in 0..=1, and the direction in which the curve leaves it; its length means nothing.
+    #[inline]
     pub(super) fn at(&self, t: f64) -> (DVec2, DVec2) {
         let place = t * Self::SPANS as f64;
         let span = (place as usize).min(Self::SPANS - 1);
-        let mut points = [0, 1, 2, 3].map(|i| self.0[span + i]);
+        let mut points = [0, 1, 2, 3].map_inline(|i| self.0[span + i]);
         // De Boor's algorithm; the last of its three rounds is left out for the direction.
         for round in 1..3 {
             Self::blend(&mut points, span, round, place);
@@ -24,6 +26,7 @@ impl<const N: usize> CubicSpline<N> {
         (points[3], along)
     }
 
+    #[inline]
     fn blend(points: &mut [DVec2; 4], span: usize, round: usize, place: f64) {
         for j in (round..4).rev() {
             let (low, high) = (Self::knot(span + j), Self::knot(span + j + 4 - round));

@@ -4,6 +4,7 @@ use crate::camera::{Viewpoint, WorldBounds};
 use crate::pyramid::{HeightMap, color_levels, height_levels, normal_levels};
 use crate::textures::{TextureContent, TextureStore};
 use crate::view::LightOrbit;
+use basrelief_signals::MapInline as _;
 use basrelief_signals::{Image, Lighting, Material, Mesh, Object, Sampler, ShadingSettings, TexelFilter, Texture, WrapMode};
 use basrelief_threads as threads;
 use glam::{DMat4, DVec3};
@@ -62,7 +63,7 @@ impl SurfaceGrid {
                 mesh.positions.push(p.position.as_vec3().to_array());
                 mesh.normals.push(p.normal.as_vec3().to_array());
                 mesh.tangents.push([t.x, t.y, t.z, 1.0]);
-                mesh.uv.push(p.uv.map(|c| c as f32));
+                mesh.uv.push(p.uv.map_inline(|c| c as f32));
             }
         }
         mesh.uv_normal = mesh.uv.clone();
