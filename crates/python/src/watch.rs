@@ -80,8 +80,9 @@ struct CompressedRecording {
 
 impl CompressedRecording {
     fn new(which: AnalysisPolicy, budget: &MemoryPool) -> io::Result<Self> {
-        let encoder = || zstd::Encoder::new(Vec::new(), zstd::DEFAULT_COMPRESSION_LEVEL);
-        let encoder = (which != AnalysisPolicy::Never).then(encoder).transpose()?;
+        let mut encoder = zstd::Encoder::new(Vec::new(), zstd::DEFAULT_COMPRESSION_LEVEL)?;
+        encoder.include_checksum(true)?;
+        let encoder = (which != AnalysisPolicy::Never).then_some(encoder);
         Ok(Self { always: which == AnalysisPolicy::Always, encoder, held: budget.empty_reservation() })
     }
 
