@@ -25,7 +25,9 @@ export function figures(report: Report): [string, number, (n: number) => string]
   const frames = averagedFrames(report);
   const each = frames > 1 ? " per frame" : "";
   const list: [string, number, (n: number) => string][] = [];
-  if (report.cycles) list.push([`cycles${each}`, frameCycles(report) / frames, n => thousands(Math.floor(n))]);
+  // The last frame of an incomplete run is unfinished.
+  const term = report.outcome.kind === "complete" ? "render cycles" : "cycles";
+  if (report.cycles) list.push([`${term}${each}`, frameCycles(report) / frames, n => thousands(Math.floor(n))]);
   if (report.quality) list.push([`dB against ${comparedWith(report.quality)}`, report.quality.min.psnr_db, n => n.toFixed(2)]);
   list.push([`bytes of memory traffic${each}`, Math.floor(memoryBytes(report) / frames), thousands]);
   list.push(["gate equivalents", report.hardware.reduce((sum, { area_ge }) => sum + area_ge, 0), thousands]);
