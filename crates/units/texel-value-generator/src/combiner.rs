@@ -3,6 +3,7 @@
 use crate::config::{CombineMode, CombinerConfig};
 use crate::join_streams::{PairedInput, pair};
 use crate::log::DisplacementMap;
+use crate::pixel_pace::PixelPace;
 use crate::signals::{IlluminancePacket, TexturePacket};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperatorCounts, Operators, Step, Unit};
@@ -207,22 +208,18 @@ impl Combiner {
     }
 
     fn tell_hardware(&self, stats: &mut UnitStats) {
-        self.tell_shared("texture by illuminance", PRODUCTS, FACTOR_BITS, stats);
+        let pace = PixelPace { operators: &self.operators, interval: self.config.initiation_interval };
+        pace.tell("texture by illuminance", PRODUCTS, FACTOR_BITS, stats);
         let with_old = match self.config.mode {
             CombineMode::Replace => return,
             CombineMode::Modulate => MODULATION,
             CombineMode::Blend => BLENDING,
         };
-        self.tell_shared("with the old value", with_old, PIXEL_BITS, stats);
+        pace.tell("with the old value", with_old, PIXEL_BITS, stats);
         stats.hardware(HardwareKind::Table, "lines on their way to memory", self.lines, LINE_PIXELS * COLOR);
         stats.hardware(HardwareKind::Adder, "whether a line is held", self.lines, LINE_TAG_BITS);
         stats.flags("flags of clear lines", self.buffer.flags, self.buffer.per_cycle);
         stats.hardware(HardwareKind::Registers, "which lines are held", self.lines, LINE_TAG_BITS);
-    }
-
-    /// Reports the operators in which the operations of a pixel take turns.
-    fn tell_shared(&self, about: &'static str, work: OperatorCounts, width: u32, stats: &mut UnitStats) {
-        stats.shared_operators(about, self.operators.sustaining(work, self.config.initiation_interval), work, width);
     }
 }
 

@@ -1,6 +1,7 @@
 //! Illuminance value generator (340).
 
 use crate::config::{IlluminanceConfig, IlluminanceMode};
+use crate::pixel_pace::PixelPace;
 use crate::signals::{IlluminancePacket, LitSpan, to_16_bits};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_kernel::{Demand, HardwareKind, MemoryPorts, OperandWidth, OperatorCounts, Operators, Step, Unit};
@@ -208,8 +209,8 @@ impl Unit for IlluminanceValueGenerator {
         stats.shared_operators("set-up of triangles and spans", have, work, OperandWidth::SINGLE);
         let power = u32::from(lit);
         stats.hardware(HardwareKind::Power, "highlights of bump targets", power, OperandWidth::SINGLE);
-        let adders = self.operators.sustaining(PIXEL, self.config.initiation_interval);
-        stats.shared_operators("interpolation of RGBA", adders, PIXEL, SUM_BITS);
+        let pace = PixelPace { operators: &self.operators, interval: self.config.initiation_interval };
+        pace.tell("interpolation of RGBA", PIXEL, SUM_BITS, stats);
         stats.hardware(HardwareKind::Registers, "RGBA: sum and change", 2 * 4_u32, SUM_BITS);
         stats.hardware(HardwareKind::Registers, "corners: RGBA and its differences", 3 * 4_u32, NUMBER);
     }

@@ -27,6 +27,7 @@ mod illuminance_value_generator;
 mod join_streams;
 mod log;
 mod mip_map_selector;
+mod pixel_pace;
 mod scan_converter;
 pub mod signals;
 mod step_calculator;

@@ -3,6 +3,7 @@
 use super::ApproximateCalculator;
 use crate::config::MipPer;
 use crate::fixed::iterations;
+use crate::pixel_pace::PixelPace;
 use crate::signals::LineSegment;
 use basrelief_kernel::stats::{IterativeOperators, UnitStats};
 use basrelief_kernel::{HardwareKind, OperatorCounts};
@@ -38,10 +39,11 @@ impl ApproximateCalculator {
     pub(super) fn tell_hardware(&self, stats: &mut UnitStats) {
         let (bits, words) = (self.bits, SignalWidths { texture: self.bits, ..SignalWidths::default() });
         stats.hardware(HardwareKind::Table, "reciprocals of lengths", self.longest, bits);
-        self.tell_shared("u, v per pixel", PRODUCTS, bits, stats);
-        self.tell_shared("difference of the ends", SUMS, bits, stats);
-        self.tell_shared("interpolation of u, v", SUMS, bits + self.guard(), stats);
-        self.tell_shared("interpolation of depth", DEPTH, words.depth, stats);
+        let pace = PixelPace { operators: &self.operators, interval: self.config.initiation_interval };
+        pace.tell("u, v per pixel", PRODUCTS, bits, stats);
+        pace.tell("difference of the ends", SUMS, bits, stats);
+        pace.tell("interpolation of u, v", SUMS, bits + self.guard(), stats);
+        pace.tell("interpolation of depth", DEPTH, words.depth, stats);
         stats.hardware(HardwareKind::Registers, "the segment", 1_u32, LineSegment::bits(&words));
         stats.hardware(HardwareKind::Registers, "u, v: start, end", 4_u32, bits);
         stats.hardware(HardwareKind::Registers, "u, v: change and sum", 4_u32, bits + self.guard());
@@ -49,13 +51,8 @@ impl ApproximateCalculator {
             let width = self.config.reciprocal_bits;
             let divider = IterativeOperators { count: 1, turns: 1, width, digits_per_cycle: self.bits_per_cycle };
             stats.iterative(HardwareKind::Divider, "1 / W for du, dv", divider);
-            self.tell_shared("du, dv of a pixel", CHANGE, width, stats);
+            pace.tell("du, dv of a pixel", CHANGE, width, stats);
         }
-    }
-
-    /// Reports the operators in which the operations of a pixel take turns.
-    fn tell_shared(&self, about: &'static str, work: OperatorCounts, width: u32, stats: &mut UnitStats) {
-        stats.shared_operators(about, self.operators.sustaining(work, self.config.initiation_interval), work, width);
     }
 }
 
