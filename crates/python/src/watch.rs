@@ -4,6 +4,7 @@ use crate::outputs::RequestsFile;
 use basrelief_input::{MemoryPool, MemoryReservation};
 use basrelief_reference::RgbPicture;
 use basrelief_sim::{AnalysisPolicy, FramePictures, MemoryRequests, Observer};
+use basrelief_trace::checked_encoder;
 use pyo3::{PyErr, Python};
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
@@ -80,9 +81,7 @@ struct CompressedRecording {
 
 impl CompressedRecording {
     fn new(which: AnalysisPolicy, budget: &MemoryPool) -> io::Result<Self> {
-        let mut encoder = zstd::Encoder::new(Vec::new(), zstd::DEFAULT_COMPRESSION_LEVEL)?;
-        encoder.include_checksum(true)?;
-        let encoder = (which != AnalysisPolicy::Never).then_some(encoder);
+        let encoder = (which != AnalysisPolicy::Never).then(|| checked_encoder(Vec::new())).transpose()?;
         Ok(Self { always: which == AnalysisPolicy::Always, encoder, held: budget.empty_reservation() })
     }
 

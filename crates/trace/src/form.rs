@@ -171,6 +171,17 @@ impl<R: Read> BufRead for TraceBytes<R> {
     }
 }
 
+/// Returns an encoder that appends a checksum, for files that are read again: traces and recordings.
+///
+/// # Errors
+/// The compressor cannot be created.
+#[cfg(feature = "zstd")]
+pub fn checked_encoder<W: Write>(writer: W) -> io::Result<zstd::Encoder<'static, W>> {
+    let mut encoder = zstd::Encoder::new(writer, zstd::DEFAULT_COMPRESSION_LEVEL)?;
+    encoder.include_checksum(true)?;
+    Ok(encoder)
+}
+
 /// Takes the uncompressed bytes of a trace.
 pub(crate) enum ByteSink<W: Write> {
     Plain(BufWriter<W>),
@@ -185,9 +196,7 @@ impl<W: Write> ByteSink<W> {
 
     #[cfg(feature = "zstd")]
     fn compress(writer: W) -> io::Result<Self> {
-        let mut encoder = zstd::Encoder::new(writer, zstd::DEFAULT_COMPRESSION_LEVEL)?;
-        encoder.include_checksum(true)?;
-        Ok(Self::Zstd(Box::new(encoder)))
+        checked_encoder(writer).map(Box::new).map(Self::Zstd)
     }
 
     #[cfg(not(feature = "zstd"))]

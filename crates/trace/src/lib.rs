@@ -64,6 +64,8 @@ pub use command::{
 pub use data::{Digest, Texels};
 pub use dent::DentedPolygons;
 pub use error::{ErrorKind, TraceError, TracePlace};
+#[cfg(feature = "zstd")]
+pub use form::checked_encoder;
 pub use form::{TraceEncoding, TraceForm, looks_compressed, looks_like_trace};
 pub use parameter_value::{ParameterValue, ScalarValue};
 pub use reader::{TraceReader, open};

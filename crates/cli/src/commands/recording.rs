@@ -3,6 +3,7 @@
 use crate::error::{CommandError, CommandResult};
 use crate::outputs::{OutputFolder, PartialFile, RUN_RECORDING, recording_in};
 use basrelief_sim::{AnalysisPolicy, Observer, RecordingError};
+use basrelief_trace::checked_encoder;
 use std::fs::File;
 use std::io::{self, BufReader, ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -41,13 +42,6 @@ impl RecordingFile {
         file.flush().map_err(CommandError::at_file(&self.path, "be written"))?;
         Ok(file)
     }
-}
-
-/// Returns an encoder that appends a checksum.
-fn checked_encoder<W: Write>(to: W) -> io::Result<zstd::Encoder<'static, W>> {
-    let mut encoder = zstd::Encoder::new(to, zstd::DEFAULT_COMPRESSION_LEVEL)?;
-    encoder.include_checksum(true)?;
-    Ok(encoder)
 }
 
 /// The recording beside a report. It is written only if it is short, and stays in memory, compressed, until the run ends.
