@@ -104,8 +104,10 @@ fn parse<T: for<'de> Deserialize<'de>>(content: &[u8], name: &str) -> Result<T, 
 /// Chunks of steps of a recording, read on demand.
 pub(super) struct ChunkReader<'a> {
     blocks: BlockReader<'a>,
-    /// Observer that receives a copy of the recording, and the seal of the header of this copy.
-    observer: Option<(&'a mut dyn Observer, Option<RecordingSeal>)>,
+    /// Observer that receives a copy of the recording.
+    observer: Option<&'a mut dyn Observer>,
+    /// Seal of the header of that copy.
+    copy_seal: Option<RecordingSeal>,
     pub(super) work: WorkHash,
     /// Steps kept for bottleneck analysis.
     pub(super) kept: Option<KeptSteps>,
@@ -118,8 +120,7 @@ pub(super) struct ChunkReader<'a> {
 impl<'a> ChunkReader<'a> {
     pub(super) fn new(blocks: BlockReader<'a>, observer: Option<&'a mut dyn Observer>, kept: Option<KeptSteps>) -> Self {
         let waiting = blocks.budget.empty_reservation();
-        let observer = observer.map(|observer| (observer, None));
-        Self { blocks, observer, work: WorkHash::default(), kept, end: None, error: None, waiting }
+        Self { blocks, observer, copy_seal: None, work: WorkHash::default(), kept, end: None, error: None, waiting }
     }
 
     /// Returns the next chunk to the kernel, which still has `waiting` bytes of previous chunks. The kernel receives only the text of an
@@ -137,17 +138,15 @@ impl<'a> ChunkReader<'a> {
     }
 
     /// Passes the header of the copy to the observer.
-    pub(super) fn begin_copy(&mut self, (header, own): (Vec<u8>, RecordingSeal)) -> Result<(), RecordingError> {
-        if let Some((_, seal)) = &mut self.observer {
-            *seal = Some(own);
-        }
+    pub(super) fn begin_copy(&mut self, (header, seal): (Vec<u8>, RecordingSeal)) -> Result<(), RecordingError> {
+        self.copy_seal = Some(seal);
         self.pass_on_to_observer(&header)
     }
 
     /// Passes bytes of the recording to the observer.
     fn pass_on_to_observer(&mut self, bytes: &[u8]) -> Result<(), RecordingError> {
         let is_short = self.work.is_short();
-        let shown = self.observer.as_mut().map_or(Ok(()), |(observer, _)| observer.recording(bytes, is_short));
+        let shown = self.observer.as_mut().map_or(Ok(()), |observer| observer.recording(bytes, is_short));
         shown.map_err(|error| io::Error::other(error).into())
     }
 
@@ -168,7 +167,7 @@ impl<'a> ChunkReader<'a> {
             b'E' => {
                 self.end = Some(parse(&content, "end")?);
                 self.blocks.check_seal(&content)?;
-                if let Some(seal) = self.observer.as_mut().and_then(|(_, seal)| seal.take()) {
+                if let Some(seal) = self.copy_seal.take() {
                     self.pass_on_to_observer(&sealed_end(&content, seal))?;
                 }
                 Ok(None)

@@ -277,11 +277,12 @@ impl<'a> ActiveRun<'a> {
 
     /// True if the observer receives the recording so far.
     fn needs_steps(&self) -> bool {
-        match self.options.recording {
+        let wants_steps = match self.options.recording {
             AnalysisPolicy::Never => false,
-            AnalysisPolicy::IfShort => self.is_recorded && self.work.is_short(),
-            AnalysisPolicy::Always => self.is_recorded,
-        }
+            AnalysisPolicy::IfShort => self.work.is_short(),
+            AnalysisPolicy::Always => true,
+        };
+        self.is_recorded && wants_steps
     }
 
     /// Keeps new recorded steps, and passes them to the observer.
