@@ -45,6 +45,13 @@ pub struct PlanInput {
     pub(super) identity: String,
 }
 
+impl PlanInput {
+    /// Returns the frames that are known before a run: those of a scene, and 1 for a trace.
+    pub(super) fn frames(&self) -> usize {
+        if let OpenedInput::Scene(of) = &self.opened { of.scene().frames.len() } else { 1 }
+    }
+}
+
 /// One point of the plan.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlanPoint {

@@ -219,8 +219,7 @@ impl Plan {
 
     /// Returns warnings of figures that a reader of the plan may take for others: those of the last image, although there are several.
     pub fn warnings(&self) -> Vec<String> {
-        let has_frames = |input: &PlanInput| matches!(&input.opened, OpenedInput::Scene(of) if of.scene().frames.len() > 1);
-        if !self.inputs.iter().any(has_frames) {
+        if self.inputs.iter().all(|input| input.frames() <= 1) {
             return vec![];
         }
         let objectives = self.objectives.iter().map(|objective| ("objectives", &objective.column));
@@ -235,8 +234,7 @@ impl Plan {
 
     /// Replaces figures by their paths and checks that each exists. Without a trial run nothing is checked.
     fn check_figures(&mut self, known: Option<&[ReportFigure]>) -> Result<(), TomlFault> {
-        let of_input = |input: &PlanInput| if let OpenedInput::Scene(of) = &input.opened { of.scene().frames.len() } else { 1 };
-        let frames = self.inputs.iter().map(of_input).min().unwrap_or(1);
+        let frames = self.inputs.iter().map(PlanInput::frames).min().unwrap_or(1);
         let objectives = self.objectives.iter_mut().map(|objective| &mut objective.column).enumerate();
         let constraints = self.constraints.iter_mut().map(|constraint| &mut constraint.column).enumerate();
         let columns = objectives.map(|of| ("objectives", of)).chain(constraints.map(|of| ("constraints", of)));
