@@ -102,13 +102,20 @@ impl Plan {
     fn title(&self) -> &str {
         &self.plan.title
     }
+
+    /// Warnings about figures that the plan names.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.plan.warnings()
+    }
 }
 
 /// Counts of an exploration: points of the plan, chosen points, reused, run, resimulated and failed points.
 type ExplorationCounts = (usize, usize, usize, usize, usize, usize);
 
 /// Explores the plan `text`, as if it were the file `name`: chooses up to `budget` points, or points for so many seconds, and writes their
-/// tables. Returns the counts, the Pareto front as text, and the share of the hypervolume of the whole grid if all its points exist.
+/// tables. Returns the counts, the Pareto front as text, the share of the hypervolume of the whole grid if all its points exist, and the
+/// warnings of the plan.
 #[pyfunction]
 pub fn explore(
     py: Python<'_>,
@@ -117,7 +124,7 @@ pub fn explore(
     folder: PathBuf,
     at_once: Option<usize>,
     options: (bool, bool),
-) -> PythonResult<(ExplorationCounts, String, Option<f64>)> {
+) -> PythonResult<(ExplorationCounts, String, Option<f64>, Vec<String>)> {
     let ((points, seconds, seed), (retry_failed, pictures)) = (limit, options);
     let limit = match (points, seconds.map(Duration::try_from_secs_f64)) {
         (Some(points), None) if points > 0 => Budget::Points(points),
@@ -143,7 +150,8 @@ pub fn explore(
         let ExplorationResult { plan, tally, share, .. } = found.map_err(CommandError::bad_input)?;
         let front = tables(&plan, &folder, &host).map_err(CommandError::bad_input)?;
         let SweepProgress { existing, run, resimulated, failed, .. } = tally;
-        Ok(((all, plan.points.len(), existing, run, resimulated, failed), front, share))
+        let counts = (all, plan.points.len(), existing, run, resimulated, failed);
+        Ok((counts, front, share, plan.warnings()))
     })
 }
 

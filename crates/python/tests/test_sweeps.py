@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import threading
 import time
@@ -209,6 +210,21 @@ def test_sweep_shows_its_front_in_a_notebook(plan: Path, tmp_path: Path) -> None
         assert chart["$schema"].endswith(f"/v{version}.json")
         assert len(chart["data"]["values"]) == done.points == 6
         assert any(point["front"] for point in chart["data"]["values"])
+
+
+def test_figure_of_the_last_image_is_a_warning(tmp_path: Path) -> None:
+    plan = tmp_path / "plan.toml"
+    plan.write_text(
+        'input = "demo:ellipsoid@2"\nmachine = "shade"\nobjectives = ["cycles min", "quality.psnr_db max"]\n'
+        '[view]\nsize = "16x12"\nframes = 2\n[axes]\nfifo.interpolated.depth = [8]\n'
+    )
+    text = "objectives: `quality.psnr_db` is that of the last image; `quality.min.psnr_db` is that of the worst image"
+    with pytest.warns(UserWarning, match=re.escape(f"{plan}: {text}")) as swept:
+        basrelief.sweep(plan, out=tmp_path / "swept")
+    with pytest.warns(UserWarning, match=re.escape(text)) as explored:
+        basrelief.explore(plan, budget=1, out=tmp_path / "explored")
+    # The warning names the line of the caller.
+    assert {warning.filename for warning in [*swept, *explored]} == {__file__}
 
 
 def test_batches_group_points_by_recording() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import warnings
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
@@ -95,7 +96,8 @@ def sweep(
     `retry_failed`: run failed points again.
     `memory_limit`: memory limit for inputs and recordings, per process [bytes; default 1 GiB].
 
-    Ctrl-C stops between two points and keeps finished points. Raises `InputError` for an invalid plan.
+    Ctrl-C stops between two points and keeps finished points. Raises `InputError` for an invalid plan. Warns about a figure of the last
+    image in a plan with several frames.
     """
     name, folder = Path(arguments.path("plan", plan)), Path(arguments.path("out", out))
     memory_limit, threads = _limits(memory_limit, threads)
@@ -104,6 +106,7 @@ def sweep(
         raise arguments.wrong("client", client, "a client of Dask distributed")
     made: _Made = (str(name.absolute()), _basrelief.read_text(name), memory_limit)
     points = _basrelief.Plan(name, made[1], memory_limit)
+    _warn(name, points.warnings)
     missing = points.missing(folder, retry_failed)
     if client is None:
         tally = points.execute([point for point, _ in missing], folder, threads, options)
@@ -147,7 +150,7 @@ def explore(
     continues where it stopped.
 
     Ctrl-C stops between two points and keeps finished points. Raises `InputError` for an invalid plan, and `UsageError` unless exactly
-    one limit is given.
+    one limit is given. Warns as `sweep` does.
     """
     name, folder = Path(arguments.path("plan", plan)), Path(arguments.path("out", out))
     memory_limit, threads = _limits(memory_limit, threads)
@@ -155,9 +158,16 @@ def explore(
     count = None if budget is None else arguments.whole("budget", budget)
     time = None if seconds is None else arguments.number("seconds", seconds)
     made: _Made = (str(name), _basrelief.read_text(name), memory_limit)
-    counts, front, share = _basrelief.explore(made, (count, time, _seed(seed)), folder, threads, options)
+    counts, front, share, texts = _basrelief.explore(made, (count, time, _seed(seed)), folder, threads, options)
+    _warn(name, texts)
     grid, points, reused, run, resimulated, failed = counts
     return Exploration(folder, points, reused, run, resimulated, failed, front, grid, share)
+
+
+def _warn(plan: Path, texts: list[str]) -> None:
+    """Warns the caller of `sweep` or `explore` about a plan."""
+    for text in texts:
+        warnings.warn(f"{plan}: {text}", stacklevel=3)
 
 
 def _limits(memory_limit: int | None, threads: int | None) -> tuple[int | None, int | None]:
