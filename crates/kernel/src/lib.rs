@@ -205,7 +205,7 @@
 //! 8. **End.** The run ends when the next start of every unit is unknown, and never after N idle cycles, because an idle stretch can last
 //!    millions. The run is complete if sources are exhausted, FIFOs are empty and no unit holds tokens. Otherwise it is a deadlock, for which
 //!    both engines print the same text and the exit code is 1. Total = 1 + the last cycle in which a unit was busy, a token became
-//!    visible, or a memory moved data for a unit. A periodic client keeps no run alive. Its requests count if they arrive before the
+//!    visible, or a memory moved data for a unit; at least the end of the last mark (law 11). A periodic client keeps no run alive. Its requests count if they arrive before the
 //!    total, and its bursts count if their column command is before the total.
 //!
 //!    *Enforced by [`run`], returned as [`Outcome`] and [`RunReport::total`]; test `laws/law_8_end`.*
@@ -224,8 +224,8 @@
 //!
 //!     *Kept in [`FifoReport::histogram`]; test `laws/law_10_occupancy`.*
 //! 11. **Marks.** A marked step ends a piece of work. Mark k is passed at end(k), the cycle in which that step delivers.
-//!     marks\[k\] = end(k) - end(k-1). The rest of the run is its tail, and all parts sum to the total. Caches, open rows and
-//!     tables stay warm from mark to mark.
+//!     marks\[k\] = end(k) - end(k-1). The run lasts until its last mark. The rest of the run is its tail, and all parts sum to the
+//!     total. Caches, open rows and tables stay warm from mark to mark.
 //!
 //!     *Set by [`Step::marked`], kept in [`RunReport::marks`]; test `laws/law_11_marks`.*
 //!

@@ -87,7 +87,7 @@ pub struct CacheReport {
 pub struct RunReport {
     /// Outcome of the run.
     pub outcome: Outcome,
-    /// Total cycles: 1 + the last cycle of any activity.
+    /// Total cycles: 1 + the last cycle of any activity, and no fewer than up to the last mark.
     pub total: u64,
     /// Cycles from mark to mark (law 11). The rest of the total is the tail.
     pub marks: Vec<u64>,

@@ -71,9 +71,14 @@ impl MachineTiming {
         }
     }
 
-    /// Cycles that the run takes at least: up to the last that is known to do anything.
+    /// Cycles that the run takes at least: up to the last that is known to do anything, and to its last mark.
     pub(crate) fn known_total(&self) -> u64 {
-        self.last_cycle().map_or(0, |last| last.0 + 1).max(self.memories.data_end().0)
+        self.last_cycle().map_or(0, |last| last.0 + 1).max(self.memories.data_end().0).max(self.last_mark().0)
+    }
+
+    /// The last mark so far; 0 without one.
+    pub(crate) fn last_mark(&self) -> Cycle {
+        self.stages.iter().flat_map(|clock| &clock.marks).max().copied().unwrap_or_default()
     }
 
     /// The last cycle in which a unit was busy or a token became visible.

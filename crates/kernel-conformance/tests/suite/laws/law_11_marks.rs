@@ -7,7 +7,12 @@ use basrelief_kernel_conformance::contract::{Bench, ClientKind, TestEnvironment}
 #[derive(Clone)]
 struct Marker {
     clients: bool,
+    latency: u64,
+    /// True if no step gives a token.
+    swallows: bool,
 }
+
+const MARKER: Marker = Marker { clients: false, latency: 2, swallows: false };
 
 impl Unit for Marker {
     type In = Option<u32>;
@@ -19,8 +24,9 @@ impl Unit for Marker {
         if self.clients {
             traffic.look_up(0, 0, 4);
         }
-        let step = Step::after(2, input);
-        if input.is_some_and(|n| n % 3 == 2) { step.marked() } else { step }
+        let is_marked = input.is_some_and(|n| n % 3 == 2);
+        let step = Step::after(self.latency, input.filter(|_| !self.swallows));
+        if is_marked { step.marked() } else { step }
     }
     fn largest_step(&self, client: usize) -> u32 {
         u32::from(self.clients && client == 0)
@@ -28,11 +34,14 @@ impl Unit for Marker {
 }
 
 fn both(clients: bool, gaps: &[u64]) -> RunReport {
+    run_both(Marker { clients, ..MARKER }, 7, gaps)
+}
+
+fn run_both(unit: Marker, tokens: u32, gaps: &[u64]) -> RunReport {
     let setting = TestEnvironment { depth: 16, latency: 1, source_gaps: gaps.to_vec(), ..TestEnvironment::default() };
-    let clients: &[ClientKind] = if clients { &[ClientKind::Cache { line_bytes: 64 }] } else { &[] };
-    let unit = Marker { clients: !clients.is_empty() };
+    let clients: &[ClientKind] = if unit.clients { &[ClientKind::Cache { line_bytes: 64 }] } else { &[] };
     let [timed, ticked] = [Engine::Timed, Engine::Ticked]
-        .map(|engine| run(&mut Bench::new(unit.clone(), (0..7).collect(), None, clients, &setting), engine));
+        .map(|engine| run(&mut Bench::new(unit.clone(), (0..tokens).collect(), None, clients, &setting), engine));
     assert_eq!(timed, ticked);
     timed
 }
@@ -44,6 +53,17 @@ fn mark_is_passed_at_delivery() {
     // delivered 9, visible and popped 10: 11 cycles, 3 of them drain.
     let report = both(false, &[]);
     assert_eq!((report.marks.as_slice(), report.total), ([5, 3].as_slice(), 11));
+}
+
+// Claim: laws, 11 Marks: A run lasts until its last mark.
+#[test]
+fn run_lasts_until_its_last_mark() {
+    // Nothing follows the delivery of the last step: token 2, at 3, with a latency of 50.
+    let report = run_both(Marker { latency: 50, swallows: true, ..MARKER }, 3, &[]);
+    assert_eq!((report.marks.as_slice(), report.total), ([53].as_slice(), 53));
+    let report = run_both(Marker { latency: 50, swallows: true, clients: true }, 3, &[]);
+    let ends: u64 = report.marks.iter().sum();
+    assert_eq!((report.marks.len(), ends), (1, report.total));
 }
 
 #[test]
