@@ -268,21 +268,22 @@ impl Memory {
         let waiting = self.bursts;
         for channel in 0..self.channels.len() {
             while let Some(served) = self.channels[channel].serve(horizon) {
-                self.moved(channel, clients, served);
+                self.moved(channel, clients, served, Cycle::ZERO);
             }
         }
         self.bursts < waiting
     }
 
-    /// Accounts for a burst that a channel has served.
+    /// Accounts for a burst that a channel has served. `known_end`: a lower bound of the end of the memory.
     #[inline(always)]
-    fn moved(&mut self, channel: usize, clients: &mut [Client], ServedBurst { burst, row, column, end }: ServedBurst) {
+    fn moved(&mut self, channel: usize, clients: &mut [Client], served: ServedBurst, known_end: Cycle) {
+        let ServedBurst { burst, row, column, end } = served;
         let Client { port, is_periodic, .. } = &mut clients[burst.client as usize];
         let data = Cycle(end.0 - self.burst_cycles);
         if *is_periodic {
             self.periodic_bursts -= 1;
             self.channels[channel].periodic -= 1;
-            self.count_data(LateData { channel, from: data, to: end }, self.data_end);
+            self.count_data(LateData { channel, from: data, to: end }, self.data_end.max(known_end));
         } else {
             self.bursts -= 1;
             self.data_end = self.data_end.max(end);

@@ -1,5 +1,6 @@
 //! Errors and warnings of all machines about parameters that do not fit together.
 
+use crate::front::FRONT_UNITS;
 use basrelief_kernel::stats::{SlowFifo, UnitStats};
 use basrelief_kernel::{BoundStage, Machine, Visitor, WiringError, check_wiring};
 
@@ -29,7 +30,8 @@ pub(crate) fn wired<M: Machine>(mut machine: M, ideal_units: &str) -> Result<M, 
     Err(ConfigProblem { key, message })
 }
 
-/// Idealizes units. `names` is a comma-separated list.
+/// Idealizes units. `names` is a comma-separated list. It may name the units of the other kind of input, so that one configuration serves
+/// scenes and traces.
 fn make_ideal(machine: &mut impl Machine, names: &str) -> Result<(), ConfigProblem> {
     /// Units to idealize, and all units.
     struct UnitIdealizer<'a>(Vec<&'a str>, Vec<String>);
@@ -52,7 +54,8 @@ fn make_ideal(machine: &mut impl Machine, names: &str) -> Result<(), ConfigProbl
     let mut visitor = UnitIdealizer(wanted, vec![]);
     machine.wire(&mut visitor);
     let UnitIdealizer(wanted, all) = visitor;
-    match wanted.iter().find(|name| !all.iter().any(|unit| unit == *name)) {
+    let is_unit = |name: &str| all.iter().any(|unit| unit == name) || FRONT_UNITS.contains(&name);
+    match wanted.iter().find(|name| !is_unit(name)) {
         Some(name) => problem("ideal.units", format!("has `{name}`, expected units of this machine: {}", all.join(", "))),
         None => Ok(()),
     }

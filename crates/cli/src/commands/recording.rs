@@ -83,7 +83,7 @@ pub fn place_of(path: &Path) -> PathBuf {
 /// Message about a folder without the recording of its run.
 const NO_RECORDING: &str = "expected the recording of a run. Long, functional and incomplete runs, and runs with \
     --no-bottlenecks, keep none beside the report; `basrelief run INPUT --recording FILE` writes one of any complete run with timing, \
-    unless its user acts at times";
+    unless its user acts at times or a step takes more than 4294967295 cycles";
 
 /// Opens a recording.
 ///

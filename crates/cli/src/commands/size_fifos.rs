@@ -74,7 +74,9 @@ impl RecordedInput {
             run_named(input.reopen()?, &RunOptions { recording: AnalysisPolicy::Always, ..options.clone() }, &mut kept, None)?;
         let name = path.display().to_string();
         if !run.recording_is_complete {
-            return Err(CommandError::in_input(&name)("the run does not end, or its user acts at times; so it has no recording"));
+            return Err(CommandError::in_input(&name)(
+                "the run does not end, its user acts at times, or a step takes more than 4294967295 cycles; so it has no recording",
+            ));
         }
         Ok(Self { name, recording: Box::new(Cursor::new(kept)), drawn: Some((input, options)) })
     }

@@ -111,7 +111,7 @@ impl Memory {
         for channel in 0..self.channels.len() {
             while self.channels[channel].has_units() || self.channels[channel].next_column().is_some_and(|column| column < end) {
                 let Some(served) = self.channels[channel].serve(until) else { break };
-                self.moved(channel, clients, served);
+                self.moved(channel, clients, served, end);
             }
         }
     }

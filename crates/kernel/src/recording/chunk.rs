@@ -11,6 +11,8 @@ pub struct RecordingChunk {
     pub(crate) stages: Vec<Vec<u8>>,
     pub(crate) unit_states: Vec<FinalUnitState>,
     pub(crate) last: bool,
+    /// True if it or an earlier chunk has a step that cannot be read back.
+    pub(crate) has_long_step: bool,
 }
 
 impl RecordingChunk {
@@ -23,6 +25,11 @@ impl RecordingChunk {
     /// streams do not.
     pub fn streams(&self) -> impl Iterator<Item = &[u8]> {
         self.stages.iter().map(Vec::as_slice)
+    }
+
+    /// Returns true if a step so far takes more than 4,294,967,295 cycles. The recording cannot be read back.
+    pub fn has_long_step(&self) -> bool {
+        self.has_long_step
     }
 
     /// Encodes the chunk.
@@ -46,7 +53,7 @@ impl RecordingChunk {
         let mut at = 0;
         let last = get_up_to(bytes, &mut at, "the end flag of a chunk", 1, "0 or 1")? == 1;
         let count = get_up_to(bytes, &mut at, "the number of stages", 4096, "at most 4096")?;
-        let mut chunk = Self { stages: Vec::new(), unit_states: Vec::new(), last };
+        let mut chunk = Self { stages: Vec::new(), unit_states: Vec::new(), last, has_long_step: false };
         for _ in 0..count {
             let rest = get(bytes, &mut at, "the final state of a unit")?;
             chunk.unit_states.push(FinalUnitState { demand: demand_of(rest >> 1, MAX_LINKS)?, empty: rest & 1 != 0 });

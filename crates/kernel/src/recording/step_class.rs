@@ -11,7 +11,7 @@ pub(super) const CLASSES: usize = 255;
 /// Marks a step whose class follows and takes a place.
 pub(super) const NEW: u8 = CLASSES as u8;
 
-/// Maximum occupancy and latency of a step \[cycles\], so that no sum of them overflows.
+/// Maximum occupancy and latency of a recorded step \[cycles\], so that no sum of them overflows.
 const LONGEST: u64 = u32::MAX as u64;
 /// Maximum number of requests, and of look-ups, of a step, and of bytes of a request.
 const MOST: u64 = 1 << 20;
@@ -125,6 +125,11 @@ fn request(bytes: &[u8], at: &mut usize) -> Result<Request, RecordingError> {
     let client = get_up_to(bytes, at, "a client", 2 * MAX_LINKS as u64, "one of the stage's")?;
     let size = get_up_to(bytes, at, "the size of a request", MOST, "at most 1048576 bytes")?;
     Ok(Request { client: (client >> 1) as u32, write: client & 1 != 0, address: 0, bytes: size as u32 })
+}
+
+/// Returns true if a step takes more cycles than a recording can hold.
+pub(super) fn is_too_long(made: &StepTiming) -> bool {
+    made.occupancy.max(made.latency) > LONGEST
 }
 
 /// Returns true if requests differ in their addresses only.

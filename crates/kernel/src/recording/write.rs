@@ -2,7 +2,7 @@
 
 use super::bytes::{put, zigzag};
 use super::chunk::RecordingChunk;
-use super::step_class::{CLASSES, NEW, StepClass, slot_of};
+use super::step_class::{CLASSES, NEW, StepClass, is_too_long, slot_of};
 use crate::capacity::{MAX_CLIENTS, MAX_LINKS};
 use crate::netlist::Netlist;
 use crate::step_requests::UnitRequests;
@@ -29,6 +29,7 @@ struct StageStream {
     line_bytes: [u32; MAX_CLIENTS],
     /// Look-ups of the current step, each line once.
     look_ups: Vec<Request>,
+    has_long_step: bool,
 }
 
 impl RecordingWriter {
@@ -40,6 +41,7 @@ impl RecordingWriter {
             last: [0; MAX_LINKS],
             line_bytes: std::array::from_fn(|i| clients.get(i).map_or(1, |&client| lines[client])),
             look_ups: Vec::new(),
+            has_long_step: false,
         };
         Self { stages: shape.stages.iter().map(|stage| stream(&stage.clients)).collect(), written: 0, chunk_bytes }
     }
@@ -62,7 +64,8 @@ impl RecordingWriter {
     pub(crate) fn finish_chunk(&mut self, unit_states: Vec<FinalUnitState>, last: bool) -> RecordingChunk {
         self.written = 0;
         let stages = self.stages.iter_mut().map(|stream| std::mem::take(&mut stream.bytes)).collect();
-        RecordingChunk { stages, unit_states, last }
+        let has_long_step = self.stages.iter().any(|stream| stream.has_long_step);
+        RecordingChunk { stages, unit_states, last, has_long_step }
     }
 }
 
@@ -79,6 +82,7 @@ impl StageStream {
         let class = &mut self.classes[usize::from(place)];
         if !class.as_ref().is_some_and(|class| class.contains(demand, made, asks)) {
             let new = StepClass::of(demand, *made, asks);
+            self.has_long_step |= is_too_long(made);
             self.bytes.extend([NEW, place]);
             new.write(&mut self.bytes);
             *class = Some(new);

@@ -1,5 +1,6 @@
 //! A run in progress: drives the engine, collects the finished frames, and assembles the report.
 
+mod analysis_warnings;
 mod frames;
 mod picture_checks;
 
@@ -15,6 +16,7 @@ use crate::machine::SimulatedMachine;
 use crate::observer::{MemoryRequests, Observer, picture_name};
 use crate::options::{AnalysisPolicy, RunOptions};
 use crate::recording::{self, CHUNK_BYTES, KeptSteps, RecordingSeal, WorkHash};
+use analysis_warnings::no_path;
 use basrelief_input::{MemoryReservation, OverBudget};
 use basrelief_kernel::recording::RecordingChunk;
 use basrelief_kernel::{Machine, Outcome, Probe, RunLimits, RunReport};
@@ -89,6 +91,8 @@ pub(crate) struct ActiveRun<'a> {
     clients: Vec<String>,
     /// True if a recording of this run serves other timings.
     is_recorded: bool,
+    /// True once a step takes more cycles than a recording can hold.
+    has_long_step: bool,
     /// Hash of the recording.
     work: WorkHash,
     /// Seal of its header, once that is written.
@@ -127,6 +131,7 @@ impl<'a> ActiveRun<'a> {
             lacks_memory: false,
             clients: vec![],
             is_recorded: true,
+            has_long_step: false,
             work: WorkHash::default(),
             seal: None,
             step_polygons: None,
@@ -288,6 +293,10 @@ impl<'a> ActiveRun<'a> {
     /// Keeps new recorded steps, and passes them to the observer.
     fn take_steps(&mut self, chunks: Vec<RecordingChunk>, kept: &mut Option<KeptSteps>) {
         for chunk in chunks {
+            if chunk.has_long_step() {
+                (self.has_long_step, self.is_recorded, *kept) = (true, false, None);
+                return;
+            }
             if self.needs_steps() {
                 self.work.add(&chunk);
                 self.run_unless_failed(|session| session.observer.recording(&recording::steps(&chunk), session.work.is_short()));
@@ -329,6 +338,7 @@ impl<'a> ActiveRun<'a> {
         let of_scene = matches!(self.exact, ExactSource::Scene(_));
         untimed.warnings.extend(self.checks.warnings(&facts, spec.exact_style(), of_scene));
         untimed.warnings.extend(self.no_bottlenecks(spec).map(str::to_owned));
+        untimed.warnings.extend(run.as_ref().filter(|_| bottlenecks.is_some()).and_then(no_path));
         let complete = run.as_ref().filter(|run| run.outcome == Outcome::Complete);
         let mut recording_is_complete = false;
         if let Some(seal) = self.seal.filter(|_| complete.is_some() && records) {
@@ -348,19 +358,6 @@ impl<'a> ActiveRun<'a> {
             expectations: info.expectations,
             simulate_s: self.simulate_s,
         }
-    }
-
-    /// Warns if there are no bottlenecks although the user asked for them or the run is short.
-    fn no_bottlenecks(&self, spec: &impl SimulatedMachine) -> Option<&'static str> {
-        if self.lacks_memory {
-            return Some(
-                "bottlenecks are not analysed, because the recorded steps exceed --memory-limit; raise it, or use --no-bottlenecks",
-            );
-        }
-        (self.options.bottlenecks == AnalysisPolicy::Always && spec.acts_at_times()).then_some(
-            "bottlenecks are not analysed, because ends of views by time change the steps of the machine; state numbers of tiles \
-             instead (defer.left_at_tile)",
-        )
     }
 
     fn untimed_result(&mut self, info: &InputInfo<'_>) -> UntimedResult {

@@ -34,7 +34,8 @@ impl UntimedResult {
         let hardware: Vec<Hardware> = facts.all_hardware().iter().map(|piece| Hardware::new(piece, &model)).collect();
         let config = to_json(spec).unwrap_or_default();
         let of_area = depth_warnings(&hardware, model.cycle_fo4()).into_iter().chain(no_area(&config));
-        let warnings = spec.warnings(&facts).into_iter().chain(of_area).chain(run.and_then(underruns));
+        let absent = run.and_then(|run| absent_units(&config, run));
+        let warnings = spec.warnings(&facts).into_iter().chain(of_area).chain(absent).chain(run.and_then(underruns));
         let context = ReportContext {
             build: BUILD.into(),
             machine: S::NAME.into(),
@@ -77,6 +78,17 @@ fn no_area(config: &Value) -> Option<String> {
     let ideal: Vec<String> =
         memories.map(|(name, _)| format!("memory.{name}.part")).chain(units.then(|| "ideal.units".into())).collect();
     (!ideal.is_empty()).then(|| format!("the area has no meaning, because no hardware is ideal: {}", ideal.join(", ")))
+}
+
+/// Warns if a unit that shall be ideal belongs to another kind of input.
+fn absent_units(config: &Value, run: &RunReport) -> Option<String> {
+    let named = config["ideal"]["units"].as_str()?.split(',').map(str::trim).filter(|name| !name.is_empty());
+    let absent: Vec<String> =
+        named.filter(|name| !run.units.iter().any(|unit| unit.name == *name)).map(|name| format!("`{name}`")).collect();
+    (!absent.is_empty()).then(|| {
+        let units = absent.join(", ");
+        format!("ideal.units names {units}, which this kind of input does not use; scenes use host and geometry, traces use display-list")
+    })
 }
 
 #[cfg(test)]

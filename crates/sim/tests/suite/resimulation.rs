@@ -232,8 +232,8 @@ fn work(recording: &[u8]) -> String {
 
 #[test]
 fn bottleneck_settings_take_the_predicted_cycles() {
-    for machine in MACHINES {
-        let (report, _) = recorded(machine, of_scene(machine), &vec![], AnalysisPolicy::Always).unwrap();
+    for (machine, trace) in MACHINES.iter().flat_map(|machine| [(machine, false), (machine, true)]) {
+        let (report, _) = recorded(machine, source(machine, trace), &vec![], AnalysisPolicy::Always).unwrap();
         let limits = report.bottlenecks.clone().unwrap().single;
         assert!(!limits.is_empty(), "{}: something limits it", machine.name);
         assert!(limits.is_sorted_by_key(|limit| limit.cycles));
@@ -246,8 +246,11 @@ fn bottleneck_settings_take_the_predicted_cycles() {
             let is_unit = limit.set[0].starts_with("ideal.units") && !limit.resource.contains(" and ");
             assert!(!is_unit || limit.saved <= spent, "{}: {} saves more than its part", machine.name, limit.resource);
             assert_eq!(limit.saved, report.frame_cycles() - limit.cycles);
-            let set = limit.set.iter().map(|set| set.split_once('=').map(|(k, v)| (k.into(), v.into())).unwrap()).collect();
-            let (promised, _) = recorded(machine, of_scene(machine), &set, AnalysisPolicy::Never).unwrap();
+            let set: Settings =
+                limit.set.iter().map(|set| set.split_once('=').map(|(k, v)| (k.into(), v.into())).unwrap()).collect();
+            let given = Overrides { toml: String::new(), settings: set.clone() };
+            given.load_checked(machine, &MemoryPool::default()).expect("a user can give it, too");
+            let (promised, _) = recorded(machine, source(machine, trace), &set, AnalysisPolicy::Never).unwrap();
             assert_eq!(promised.frame_cycles(), limit.cycles, "{}: {} with {}", machine.name, limit.resource, limit.what);
             assert_eq!(promised.image, report.image, "{}: the picture stays", machine.name);
         }
@@ -255,9 +258,55 @@ fn bottleneck_settings_take_the_predicted_cycles() {
 }
 
 #[test]
+fn ideal_unit_of_another_input_is_a_warning() {
+    let machine = &MACHINES[0];
+    let set = vec![("ideal.units".to_owned(), "display-list".to_owned())];
+    let warned = |trace| {
+        let (report, _) = recorded(machine, source(machine, trace), &set, AnalysisPolicy::Never).unwrap();
+        report.warnings.iter().any(|warning| warning.starts_with("ideal.units names `display-list`"))
+    };
+    assert_eq!([false, true].map(warned), [true, false]);
+}
+
+#[test]
+fn late_write_of_a_frame_end_loses_no_frame() {
+    let late = vec![("frame_buffer.latency".to_owned(), "4096".to_owned())];
+    for machine in MACHINES.iter().filter(|machine| !machine.fetches_tiles) {
+        let cycles = |set| recorded(machine, of_scene(machine), set, AnalysisPolicy::Always).unwrap().0.cycles.unwrap();
+        let [soon, late] = [&vec![], &late].map(cycles);
+        assert_eq!([soon.frames.len(), late.frames.len()], [2, 2], "{}", machine.name);
+        let [soon, late] = [soon, late].map(|cycles| cycles.frames.iter().sum::<u64>());
+        assert!(late >= soon + 4000, "{}: {late} after {soon}", machine.name);
+    }
+}
+
+#[test]
+fn step_beyond_32_bits_has_no_recording_and_a_warning() {
+    let machine = MACHINES.iter().find(|machine| machine.fetches_tiles).unwrap();
+    let slow = vec![("path.bits_per_second".to_owned(), "100".to_owned())];
+    let options = RunOptions {
+        config: config(machine, &slow).unwrap(),
+        exact: false,
+        bottlenecks: AnalysisPolicy::Always,
+        recording: AnalysisPolicy::Always,
+        ..RunOptions::default()
+    };
+    for concurrent in [true, false] {
+        let run = || run(of_scene(machine), &options, &mut CollectedRecording::default(), None).unwrap();
+        let result = if concurrent { run() } else { threads::sequential(run) };
+        assert!(!result.recording_is_complete && result.report.bottlenecks.is_none());
+        assert!(result.report.outcome.is_complete());
+        let warnings = &result.report.warnings;
+        assert!(warnings.iter().any(|text| text.contains("a step takes more than 4294967295 cycles")), "{warnings:?}");
+    }
+}
+
+#[test]
 fn critical_path_is_as_long_as_the_frames() {
     for machine in MACHINES {
-        let (report, _) = recorded(machine, of_scene(machine), &vec![], AnalysisPolicy::Always).unwrap();
+        let late = vec![("frame_buffer.latency".to_owned(), "64".to_owned())];
+        let set = if machine.fetches_tiles { vec![] } else { late };
+        let (report, _) = recorded(machine, of_scene(machine), &set, AnalysisPolicy::Always).unwrap();
         let path = report.critical_path.as_ref().unwrap();
         assert_eq!(path.cycles, report.frame_cycles(), "{}", machine.name);
         assert_eq!(path.parts.iter().map(|part| part.cycles).sum::<u64>(), path.cycles, "{}", machine.name);
