@@ -1,7 +1,7 @@
 //! Parser of JSON with errors that name their place in plain words.
 
 use crate::error_text::error_text;
-use crate::json_path::{JsonPath, JsonStep};
+use crate::json_path::{JsonPath, JsonStep, list_around_item};
 use crate::reject_seq::{FaultTrail, RejectSeqForStruct};
 use serde::de::DeserializeOwned;
 use serde_ignored::Path;
@@ -85,13 +85,26 @@ fn ended<'a, T>(
 /// would be a second reader of every type: 7 to 17 % of the intermediate code of a crate.)
 fn fault(text: &[u8], error: &serde_json::Error, trail: &FaultTrail) -> JsonFault {
     let (line, column) = (error.line(), error.column());
-    let (beginning, is_data) = (&text[..fault_offset(text, line, column)], error.is_data());
+    let offset = fault_offset(text, line, column);
+    if let Some((path, message)) = long_list(text, offset, error) {
+        return JsonFault { path, line, column, is_data: true, message };
+    }
+    let (beginning, is_data) = (&text[..offset], error.is_data());
     let path = if is_data {
         JsonPath::of_value_at_end(beginning, trail.depth_without_line())
     } else {
         JsonPath::of_gap_at_end(beginning)
     };
     JsonFault { path, line, column, is_data, message: error_text(error) }
+}
+
+/// Returns path and message if the error is an item that a list has no room for. `serde_json` calls the item trailing characters.
+fn long_list(text: &[u8], offset: usize, error: &serde_json::Error) -> Option<(JsonPath, String)> {
+    if !error.to_string().starts_with("trailing characters at ") {
+        return None;
+    }
+    let (path, expected, count) = list_around_item(text, offset.checked_sub(1)?)?;
+    Some((path, format!("a list of {count} stands here, expected a list of {expected}")))
 }
 
 /// Returns the number of bytes of a text up to the line and column of a [`JsonFault`].
@@ -221,6 +234,17 @@ mod tests {
         };
         assert_eq!(from_str::<Outer>(text).unwrap(), expected);
         assert_eq!(from_slice::<Outer>(text.as_bytes()).unwrap(), expected);
+    }
+
+    #[test]
+    fn list_that_is_too_long_has_its_path_and_length() {
+        for (list, count) in [("[1, 2, 3]", 3), ("[1, 2 ,\n \"a],\", {\"x\": [1, 2]}, [[], 1]]", 5), ("[1,2,[3,4]]", 3)] {
+            let expected = format!("a list of {count} stands here, expected a list of 2");
+            assert_eq!(says(&format!(r#"{{"many": [{{"a": 1, "b": {list}}}]}}"#)), ("many[0].b".into(), expected), "{list}");
+        }
+        for text in [r#"{"one": {"a": 1, "b": [1, 2 3]}}"#, r#"{"one": {"a": 1, "b": [1, 2, 3"#, "{}, 1]"] {
+            assert!(says(text).1.contains("trailing characters"), "{text}");
+        }
     }
 
     #[test]

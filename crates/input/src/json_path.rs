@@ -71,6 +71,28 @@ pub fn field_range(text: &str, name: &str) -> Option<Range<usize>> {
     None
 }
 
+/// Returns the path of the list around an item, the number of this item, and the number of all items. The item begins at an offset of a text.
+/// `None` if no comma of a list precedes the item, or the list has no end.
+pub(crate) fn list_around_item(text: &[u8], offset: usize) -> Option<(JsonPath, usize, usize)> {
+    let beginning = text.get(..offset)?;
+    let mut open = OpenValues::at_end(beginning);
+    let Some(Some(JsonStep::Item(item))) = open.steps.last().cloned() else { return None };
+    if !beginning.trim_ascii_end().ends_with(b",") {
+        return None;
+    }
+    let (depth, mut at) = (open.steps.len(), offset);
+    loop {
+        let token = token_at(text, at)?;
+        let last = open.steps.last().cloned();
+        open.pass(token);
+        if open.steps.len() < depth {
+            let Some(Some(JsonStep::Item(last))) = last else { return None };
+            return Some((open.into_path(), item, last + 1));
+        }
+        at += token.len();
+    }
+}
+
 /// Returns the string or the byte that begins at an offset; `None` at the end.
 fn token_at(text: &[u8], at: usize) -> Option<&[u8]> {
     let rest = &text[at..];
