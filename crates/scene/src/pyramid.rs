@@ -58,8 +58,15 @@ pub fn height_levels(base: HeightMap, strength: f64, wrap: [WrapMode; 2]) -> Vec
 
 /// The heights of a picture: the mean of its red, green and blue, 0..=1.
 pub fn heights_of(image: &Image) -> HeightMap {
-    let height = |t: &[u8; 4]| (f64::from(t[0]) + f64::from(t[1]) + f64::from(t[2])) / (3.0 * 255.0);
-    HeightMap { width: image.width, height: image.height, heights: image.texels.iter().map(height).collect() }
+    HeightMap::of_texels([image.width, image.height], &image.texels, u8::MAX)
+}
+
+impl HeightMap {
+    /// Returns the mean of red, green and blue of RGBA texels. `white` becomes 1.
+    pub(crate) fn of_texels<T: Copy + Into<f64>>([width, height]: [u32; 2], texels: &[[T; 4]], white: T) -> Self {
+        let mean = |t: &[T; 4]| (t[0].into() + t[1].into() + t[2].into()) / (3.0 * white.into());
+        Self { width, height, heights: texels.iter().map(mean).collect() }
+    }
 }
 
 /// The unit normal that a texel stores; a zero vector gives (0, 0, 1).

@@ -3,8 +3,8 @@
 use crate::SceneError;
 use crate::files::MemoryFiles;
 use crate::outside::ImportContext;
-use crate::picture::decode;
-use crate::pyramid::{color_levels, height_levels, heights_of, normal_levels};
+use crate::picture::{decode, decode_heights};
+use crate::pyramid::{color_levels, height_levels, normal_levels};
 use basrelief_input::MemoryReservation;
 use basrelief_signals::{Image, Sampler, Texture};
 use basrelief_threads::join;
@@ -49,20 +49,24 @@ impl TexturePicture<'_> {
     /// Decodes the picture and makes its levels.
     fn decode(&self, outside: &ImportContext<'_>) -> Result<DecodedTexture, SceneError> {
         let &Self { ref bytes, ref name, sampler, content, .. } = self;
-        let (image, mut held) = decode(bytes, name, outside)?;
-        // The levels take as much again where the picture is a single row, a third of it elsewhere; heights have 8 bytes each.
-        let finest = held.bytes();
-        let beside = if let TextureContent::Heights(_) = content { 4 * finest } else { finest };
-        let what = format!("levels of {name}, an image of {} x {}", image.width, image.height);
-        held.join(outside.take(beside + TEXTURE + name.len() as u64, "", what).map_err(|e| e.in_file(name))?);
-        let levels = match content {
-            TextureContent::Color => color_levels(image),
-            TextureContent::Normals => normal_levels(image),
-            TextureContent::Heights(strength) => {
-                let heights = heights_of(&image);
-                drop(image);
-                height_levels(heights, strength, sampler.wrap)
-            }
+        let reserve = |held: &mut MemoryReservation, [width, height]: [u32; 2], bytes: u64| {
+            let what = format!("levels of {name}, an image of {width} x {height}");
+            held.join(outside.take(bytes + TEXTURE + name.len() as u64, "", what).map_err(|e| e.in_file(name))?);
+            Ok(())
+        };
+        let (levels, mut held) = if let TextureContent::Heights(strength) = content {
+            let (map, mut held) = decode_heights(bytes, name, outside)?;
+            // The second level of heights, and normals of 4 bytes. Both are largest if the picture is a single row.
+            let beside = held.bytes() / 2 * 3;
+            reserve(&mut held, [map.width, map.height], beside)?;
+            (height_levels(map, strength, sampler.wrap), held)
+        } else {
+            let (image, mut held) = decode(bytes, name, outside)?;
+            // The levels take as much again where the picture is a single row, a third of it elsewhere.
+            let beside = held.bytes();
+            reserve(&mut held, [image.width, image.height], beside)?;
+            let is_color = content == TextureContent::Color;
+            (if is_color { color_levels(image) } else { normal_levels(image) }, held)
         };
         held.shrink_to(TEXTURE + name.len() as u64 + levels.iter().map(|l| size_of_val(&*l.texels) as u64).sum::<u64>());
         Ok(DecodedTexture { name: name.clone(), sampler, content, levels, held })

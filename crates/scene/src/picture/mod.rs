@@ -7,15 +7,22 @@ pub(crate) use size::MAX_SIDE;
 
 use crate::SceneError;
 use crate::outside::ImportContext;
+use crate::pyramid::{HeightMap, heights_of};
 use basrelief_input::MemoryReservation;
 use basrelief_signals::Image;
 use image::codecs::png::PngDecoder;
-use image::{DynamicImage, ImageDecoder, ImageError, Limits};
+use image::{ColorType, DynamicImage, ImageDecoder, ImageError, Limits};
 use size::{TEXEL, check_size, texels_of};
 use std::io::Cursor;
 
 /// Memory that a decoder may take beyond its result \[bytes\].
 const SCRATCH: u64 = 1 << 26;
+
+/// Bytes of a texel with 16 bits per component.
+const DEEP_TEXEL: u64 = 8;
+
+/// Bytes of a height.
+pub(crate) const HEIGHT: u64 = size_of::<f64>() as u64;
 
 /// Decodes a PNG or JPEG file, recognised by its content, into RGBA with 8 bits each (16-bit files are rounded). The
 /// reservation is 4 bytes per texel.
@@ -33,7 +40,61 @@ pub(crate) fn decode(bytes: &[u8], name: &str, outside: &ImportContext<'_>) -> R
     decoded.map_err(|e| e.in_file(name))
 }
 
+/// Decodes a PNG or JPEG file into heights. 16-bit files keep their 16 bits. The reservation is [`HEIGHT`] bytes per texel.
+///
+/// # Errors
+/// Errors of [`decode`].
+pub(crate) fn decode_heights(
+    bytes: &[u8],
+    name: &str,
+    outside: &ImportContext<'_>,
+) -> Result<(HeightMap, MemoryReservation), SceneError> {
+    if sniff(bytes) == Some(PictureFormat::Png) {
+        return png_heights(bytes, name, outside).map_err(|e| e.in_file(name));
+    }
+    let (image, mut held) = decode(bytes, name, outside)?;
+    let heights = HEIGHT * image.texels.len() as u64;
+    held.join(outside.take(heights, "", texels_of(name, [image.width, image.height])).map_err(|e| e.in_file(name))?);
+    let map = heights_of(&image);
+    drop(image);
+    held.shrink_to(heights);
+    Ok((map, held))
+}
+
 fn decode_png(bytes: &[u8], name: &str, outside: &ImportContext<'_>) -> Result<(Image, MemoryReservation), SceneError> {
+    let (picture, mut held) = read_png(bytes, name, outside, |_| [TEXEL; 2])?;
+    let image = Image { width: picture.width(), height: picture.height(), texels: rgba_texels(picture) };
+    held.shrink_to(TEXEL * image.texels.len() as u64);
+    Ok((image, held))
+}
+
+fn png_heights(bytes: &[u8], name: &str, outside: &ImportContext<'_>) -> Result<(HeightMap, MemoryReservation), SceneError> {
+    let form = |color| if is_deep(color) { DEEP_TEXEL } else { TEXEL };
+    let (picture, mut held) = read_png(bytes, name, outside, |color| [form(color), HEIGHT])?;
+    let size = [picture.width(), picture.height()];
+    let map = if is_deep(picture.color()) {
+        HeightMap::of_texels(size, picture.into_rgba16().as_raw().as_chunks().0, u16::MAX)
+    } else {
+        HeightMap::of_texels(size, &rgba_texels(picture), u8::MAX)
+    };
+    held.shrink_to(HEIGHT * map.heights.len() as u64);
+    Ok((map, held))
+}
+
+/// Returns true for components of 16 bits.
+fn is_deep(color: ColorType) -> bool {
+    color.bytes_per_pixel() == 2 * color.channel_count()
+}
+
+/// Reads a PNG file. `sizes` returns the bytes per texel of its RGBA form and of the result that a caller makes of this form. The reservation
+/// is enough for both.
+fn read_png(
+    bytes: &[u8],
+    name: &str,
+    outside: &ImportContext<'_>,
+    sizes: impl FnOnce(ColorType) -> [u64; 2],
+) -> Result<(DynamicImage, MemoryReservation), SceneError> {
+    check_png_size(bytes)?;
     // Texts and colour profiles are expanded ahead of the dimensions: a file of a known length, by a thousand times.
     let most = SCRATCH.min(1024 * bytes.len() as u64).min(outside.left() / 4);
     let scratch = outside.take(most, "", "scratch memory of the PNG decoder")?;
@@ -44,13 +105,22 @@ fn decode_png(bytes: &[u8], name: &str, outside: &ImportContext<'_>) -> Result<(
     let decoder = PngDecoder::with_limits(Cursor::new(bytes), limits).map_err(|e| png_fault(&e))?;
     let (width, height) = decoder.dimensions();
     check_size([width, height])?;
-    let (texels, raw) = (u64::from(width) * u64::from(height), decoder.total_bytes());
-    let rgba = TEXEL * texels;
-    // The stored samples and their RGBA form are in memory together, then two copies of the RGBA form.
-    let mut held = outside.take((raw + rgba).max(2 * rgba), "", texels_of(name, [width, height]))?;
-    let image = Image { width, height, texels: rgba_texels(DynamicImage::from_decoder(decoder).map_err(|e| png_fault(&e))?) };
-    held.shrink_to(rgba);
-    Ok((image, held))
+    let [rgba, result] = sizes(decoder.color_type()).map(|size| size * u64::from(width) * u64::from(height));
+    // The stored samples and their RGBA form are in memory together, then the RGBA form and the result.
+    let held = outside.take(rgba + decoder.total_bytes().max(result), "", texels_of(name, [width, height]))?;
+    let picture = DynamicImage::from_decoder(decoder).map_err(|e| png_fault(&e))?;
+    Ok((picture, held))
+}
+
+/// Checks the size in the first chunk of a PNG file. The decoder takes a large size for a lack of memory.
+fn check_png_size(bytes: &[u8]) -> Result<(), SceneError> {
+    match bytes.get(8..24) {
+        Some([_, _, _, _, b'I', b'H', b'D', b'R', size @ ..]) => {
+            let [width, height] = [0, 4].map(|at| size.get(at..).and_then(|rest| rest.first_chunk()).copied());
+            check_size([width, height].map(|side| u32::from_be_bytes(side.unwrap_or_default())))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Converts a picture. The conversion of the `image` crate works in any colour space, and takes a hundred instructions per texel of the
@@ -139,6 +209,30 @@ pub(crate) mod tests {
         DynamicImage::ImageLuma16(picture).write_to(&mut bytes, ImageFormat::Png).unwrap();
         let image = decoded(&bytes.into_inner(), "a.png", 1 << 20).unwrap();
         assert_eq!(image.texels, [[255, 255, 255, 255], [20, 20, 20, 255]]);
+    }
+
+    #[test]
+    fn heights_of_sixteen_bits_are_exact() {
+        let heights = |picture: DynamicImage| {
+            let (mut bytes, files) = (Cursor::new(Vec::new()), MemoryFiles::default());
+            picture.write_to(&mut bytes, ImageFormat::Png).unwrap();
+            decode_heights(&bytes.into_inner(), "a.png", &ImportContext::new(&files, &MemoryPool::new(1 << 20)))
+                .unwrap()
+                .0
+                .heights
+        };
+        let deep = ImageBuffer::from_fn(3, 1, |x, _| Luma([[1000u16, 1001, 65535][x as usize]]));
+        assert_eq!(heights(DynamicImage::ImageLuma16(deep)), [1000.0 / 65535.0, 1001.0 / 65535.0, 1.0]);
+        let color = ImageBuffer::from_fn(1, 1, |_, _| Rgb([1u16, 2, 6]));
+        assert_eq!(heights(DynamicImage::ImageRgb16(color)), [9.0 / (3.0 * 65535.0)]);
+        let rgb = ImageBuffer::from_fn(1, 1, |_, _| Rgb([1u8, 2, 6]));
+        assert_eq!(heights(DynamicImage::ImageRgb8(rgb)), [9.0 / (3.0 * 255.0)]);
+    }
+
+    #[test]
+    fn wide_picture_names_its_size() {
+        let error = decoded(&png(MAX_SIDE + 1, 1, |_, _| [0; 4]), "wide.png", 1 << 30).unwrap_err().to_string();
+        assert_eq!(error, "wide.png: image is 16385 x 1 texels; expected 1..=16384 per side; scale it down");
     }
 
     #[test]
