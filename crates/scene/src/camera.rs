@@ -102,11 +102,13 @@ impl Viewpoint {
         Some(Self { eye, axes: [right, back.cross(right), back], lens })
     }
 
-    /// A camera placed by a node; glTF ignores the node's scale.
+    /// A camera placed by a node; glTF ignores the node's scale. A mirrored camera keeps its axes up and back.
     pub(crate) fn placed(world: DMat4, lens: Projection) -> Option<Self> {
         let back = world.z_axis.truncate().try_normalize()?;
         let x = world.x_axis.truncate();
         let right = (x - back * back.dot(x)).try_normalize()?;
+        let is_mirrored = back.cross(right).dot(world.y_axis.truncate()) < 0.0;
+        let right = if is_mirrored { -right } else { right };
         Some(Self { eye: world.w_axis.truncate(), axes: [right, back.cross(right), back], lens })
     }
 
@@ -197,9 +199,9 @@ pub(crate) fn direction(v: [f64; 3], place: &str) -> Result<DVec3, SceneError> {
     if (vector.length_squared() - 1.0).abs() <= 4.0 * f64::EPSILON {
         return Ok(vector);
     }
-    vector
-        .try_normalize()
-        .ok_or_else(|| SceneError::at(place, format!("{v:?} is no direction")).expected("three finite numbers, not all 0"))
+    vector.try_normalize().ok_or_else(|| {
+        SceneError::at(place, format!("{v:?} is no direction")).expected("three finite numbers of ordinary size, not all 0")
+    })
 }
 
 #[cfg(test)]
@@ -245,6 +247,18 @@ mod tests {
     }
 
     #[test]
+    fn mirrored_camera_keeps_its_axes_up_and_back() {
+        let lens = Projection::Perspective { field: 1.0, near: 0.5, far: 20.0 };
+        let node = DMat4::from_translation(DVec3::new(1.0, 2.0, 3.0)) * turn(30.0);
+        for mirror in [DVec3::new(-1.0, 1.0, 1.0), DVec3::new(1.0, 1.0, -1.0)] {
+            let world = DMat4::from_scale(mirror) * node;
+            let [right, up, back] = Viewpoint::placed(world, lens).unwrap().axes;
+            assert!((up - DVec3::Y).length() < 1e-15 && (back - world.z_axis.truncate()).length() < 1e-15, "{mirror}");
+            assert!((right.cross(up) - back).length() < 1e-15, "{mirror}");
+        }
+    }
+
+    #[test]
     fn single_point_can_be_viewed() {
         let bounds = WorldBounds::around(std::iter::once(DVec3::splat(5.0)));
         let view = Viewpoint::framing(&bounds, AUTO_VIEW).view(1.0, bounds.centre());
@@ -263,6 +277,7 @@ mod tests {
         says(&file("1,2,3", "1,0,0"), "/view_projection");
         says(&file(&["0"; 16].join(","), "1,0,0"), "determinant 0");
         says(&file(identity, "0,0,0"), "/to_light: [0.0, 0.0, 0.0] is no direction");
+        says(&file(identity, "1e300,1e300,1e300"), "is no direction; expected three finite numbers of ordinary size, not all 0");
         says(&file(identity, "1e400,0,0"), "number out of range");
         says("{\"viewproj\": []}", "unknown field `viewproj`");
         says("{}", "missing field `view_projection`");
