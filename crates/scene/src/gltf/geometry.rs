@@ -37,6 +37,16 @@ pub(crate) struct PrimitiveReader<'a> {
     pub accessors: &'a AccessorReader<'a>,
     /// `KHR_mesh_quantization` is declared.
     pub quantized: bool,
+    /// Largest vertex number of each accessor of indices that gives no triangle in a mode. Many primitives can share it.
+    without_triangle: BTreeMap<(GltfInteger, u64), u32>,
+}
+
+/// The triangles of a primitive.
+pub(super) struct PrimitiveCorners {
+    /// Vertex numbers.
+    pub indices: Vec<u32>,
+    /// Number of vertices.
+    pub vertices: u64,
 }
 
 /// A primitive with everything that its mesh depends on.
@@ -53,11 +63,13 @@ pub(crate) struct MeshSource<'a> {
 
 /// Which formats a vertex attribute may have.
 #[derive(Clone, Copy, PartialEq)]
-enum AttributeSemantic {
+pub(super) enum AttributeSemantic {
     Position,
     Direction,
     TexCoord,
     Color,
+    Joints,
+    Weights,
 }
 
 impl AttributeSemantic {
@@ -65,6 +77,7 @@ impl AttributeSemantic {
         use ComponentType::{F32, I8, I16, U8, U16, U32};
         let narrow = matches!(format.component, I8 | U8 | I16 | U16);
         match (self, format.component) {
+            (Self::Joints, component) => matches!(component, U8 | U16) && !format.normalized,
             (_, F32) => true,
             (_, U32) => false,
             (Self::Position, _) => quantized && narrow,
@@ -72,8 +85,8 @@ impl AttributeSemantic {
             (Self::Direction, _) => false,
             (Self::TexCoord, U8 | U16) => quantized || format.normalized,
             (Self::TexCoord, _) => quantized,
-            (Self::Color, U8 | U16) => format.normalized,
-            (Self::Color, _) => false,
+            (Self::Color | Self::Weights, U8 | U16) => format.normalized,
+            (Self::Color | Self::Weights, _) => false,
         }
     }
 
@@ -82,38 +95,65 @@ impl AttributeSemantic {
             Self::Position => "float (with KHR_mesh_quantization also bytes and shorts)",
             Self::Direction => "float (with KHR_mesh_quantization also normalized signed bytes and shorts)",
             Self::TexCoord => "float, normalized unsigned byte or short (with KHR_mesh_quantization any byte or short)",
-            Self::Color => "float, normalized unsigned byte or short",
+            Self::Color | Self::Weights => "float, normalized unsigned byte or short",
+            Self::Joints => "unsigned byte or short",
         }
     }
 }
 
-impl PrimitiveReader<'_> {
-    /// Returns the mesh of a primitive; `None` if it has no triangles.
-    pub(crate) fn mesh(&self, source: &MeshSource<'_>, warnings: &mut ImportWarnings) -> Result<Option<Mesh>, SceneError> {
-        let MeshSource { primitive, place, .. } = *source;
+impl<'a> PrimitiveReader<'a> {
+    pub(super) fn new(accessors: &'a AccessorReader<'a>, quantized: bool) -> Self {
+        Self { accessors, quantized, without_triangle: BTreeMap::new() }
+    }
+
+    /// Returns the vertex numbers of the triangles of a primitive, and its number of vertices; `None` if it has no triangles.
+    pub(super) fn corners(
+        &mut self,
+        primitive: &GltfPrimitive,
+        place: &str,
+        warnings: &mut ImportWarnings,
+    ) -> Result<Option<PrimitiveCorners>, SceneError> {
         let mode = primitive.mode.map_or(TRIANGLES, |m| m.0);
         if mode < TRIANGLES {
             warnings.add(format!("{place} draws points or lines: skipped"));
             return Ok(None);
         }
-        let Some(positions) = self.attribute::<3>(source, "POSITION", None, AttributeSemantic::Position, warnings)? else {
+        let Some(positions) = primitive.attributes.get("POSITION") else {
             warnings.add(format!("{place} has no POSITION: skipped"));
             return Ok(None);
         };
-        let indices = self.triangles(primitive, mode, positions.len(), place, warnings)?;
+        let (_, vertices) = self.accessors.describe(*positions, place)?;
+        let flat = primitive.indices.map(|index| (index, mode));
+        let is_known = flat.and_then(|key| self.without_triangle.get(&key)).is_some_and(|largest| u64::from(*largest) < vertices);
+        let (indices, largest) =
+            if is_known { Default::default() } else { self.triangles(primitive, mode, vertices, place, warnings)? };
         if indices.is_empty() {
             warnings.add(format!("{place} has no triangle: skipped"));
+            if let Some(key) = flat.filter(|_| !is_known) {
+                self.without_triangle.insert(key, largest);
+            }
             return Ok(None);
         }
-        let mut mesh = Mesh { positions, indices, ..Mesh::default() };
+        Ok(Some(PrimitiveCorners { indices, vertices }))
+    }
+
+    /// Returns the mesh of a primitive with these triangles.
+    pub(super) fn mesh(
+        &self,
+        source: &MeshSource<'_>,
+        corners: PrimitiveCorners,
+        warnings: &mut ImportWarnings,
+    ) -> Result<Mesh, SceneError> {
+        let positions = self.attribute::<3>(source, "POSITION", None, AttributeSemantic::Position, warnings)?.unwrap_or_default();
+        let mut mesh = Mesh { positions, indices: corners.indices, ..Mesh::default() };
         self.fill(&mut mesh, source, warnings)?;
-        Ok(Some(mesh))
+        Ok(mesh)
     }
 
     /// Everything beside positions and indices.
     fn fill(&self, mesh: &mut Mesh, source: &MeshSource<'_>, warnings: &mut ImportWarnings) -> Result<(), SceneError> {
         let MeshSource { needs, place, .. } = *source;
-        let count = Some(mesh.positions.len());
+        let count = Some(mesh.positions.len() as u64);
         mesh.uv = self.uv(source, needs.color.as_ref(), mesh.positions.len(), warnings)?;
         mesh.uv_normal = self.uv(source, needs.normal_map.as_ref(), mesh.positions.len(), warnings)?;
         if !needs.without_colors {
@@ -164,7 +204,7 @@ impl PrimitiveReader<'_> {
         let place = source.place;
         let Some(request) = request else { return Ok(Vec::new()) };
         let name = format!("TEXCOORD_{}", request.set);
-        let uv = self.attribute::<2>(source, &name, Some(count), AttributeSemantic::TexCoord, warnings)?;
+        let uv = self.attribute::<2>(source, &name, Some(count as u64), AttributeSemantic::TexCoord, warnings)?;
         if uv.is_none() {
             self.accessors.charge(size_of::<[f32; 2]>() as u64 * count as u64, place)?;
         }
@@ -187,7 +227,7 @@ impl PrimitiveReader<'_> {
         &self,
         source: &MeshSource<'_>,
         name: &str,
-        count: Option<usize>,
+        count: Option<u64>,
         semantic: AttributeSemantic,
         warnings: &mut ImportWarnings,
     ) -> Result<Option<Vec<[f32; N]>>, SceneError> {
@@ -217,10 +257,12 @@ impl PrimitiveReader<'_> {
             let add = |value: &mut f32, delta: f32| *value = (f64::from(*value) + weight * f64::from(delta)) as f32;
             // The handedness of a tangent, its fourth component, has no delta.
             if semantic == AttributeSemantic::Direction && N == 4 {
-                let deltas = self.elements::<3>(target, name, Some(base.len()), semantic, &place, warnings)?.unwrap_or_default();
+                let deltas =
+                    self.elements::<3>(target, name, Some(base.len() as u64), semantic, &place, warnings)?.unwrap_or_default();
                 base.iter_mut().zip(deltas).for_each(|(base, delta)| base.iter_mut().zip(delta).for_each(|(b, d)| add(b, d)));
             } else {
-                let deltas = self.elements::<N>(target, name, Some(base.len()), semantic, &place, warnings)?.unwrap_or_default();
+                let deltas =
+                    self.elements::<N>(target, name, Some(base.len() as u64), semantic, &place, warnings)?.unwrap_or_default();
                 // The alpha that a colour of three components gets is no delta.
                 base.iter_mut()
                     .zip(deltas)
@@ -234,11 +276,11 @@ impl PrimitiveReader<'_> {
     }
 
     /// The elements of the accessor that attributes name.
-    fn elements<const N: usize>(
+    pub(super) fn elements<const N: usize>(
         &self,
         attributes: &BTreeMap<String, GltfInteger>,
         name: &str,
-        count: Option<usize>,
+        count: Option<u64>,
         semantic: AttributeSemantic,
         place: &str,
         warnings: &mut ImportWarnings,
@@ -251,7 +293,7 @@ impl PrimitiveReader<'_> {
                 .expected(format!("VEC{N} of {}", semantic.expected()))
                 .cure("export the model again"));
         }
-        if let Some(count) = count.filter(|c| *c as u64 != elements) {
+        if let Some(count) = count.filter(|c| *c != elements) {
             return Err(SceneError::at(place, format!("accessor {} has {elements} elements", index.0))
                 .expected(format!("{count}, as many as POSITION")));
         }
@@ -262,19 +304,19 @@ impl PrimitiveReader<'_> {
         self.accessors.floats(*index, place, warnings).map(Some)
     }
 
-    /// Vertex numbers of all triangles, without those that use a vertex twice.
+    /// Vertex numbers of all triangles, without those that use a vertex twice, and the largest vertex number.
     fn triangles(
         &self,
         primitive: &GltfPrimitive,
         mode: u64,
-        vertices: usize,
+        vertices: u64,
         place: &str,
         warnings: &mut ImportWarnings,
-    ) -> Result<Vec<u32>, SceneError> {
+    ) -> Result<(Vec<u32>, u32), SceneError> {
         let order = match primitive.indices {
             Some(index) => self.indices(index, vertices, &format!("{place}/indices"), warnings)?,
             None => {
-                self.accessors.charge(size_of::<u32>() as u64 * vertices as u64, place)?;
+                self.accessors.charge((size_of::<u32>() as u64).saturating_mul(vertices), place)?;
                 (0..vertices as u32).collect()
             }
         };
@@ -283,18 +325,18 @@ impl PrimitiveReader<'_> {
         }
         // Up to three for each in a strip, in a list that grows by doubling.
         self.accessors.charge(6 * size_of::<u32>() as u64 * order.len() as u64, place)?;
-        Ok(triangulate(&order, mode))
+        Ok((triangulate(&order, mode), order.iter().copied().max().unwrap_or_default()))
     }
 
     fn indices(
         &self,
         index: GltfInteger,
-        vertices: usize,
+        vertices: u64,
         place: &str,
         warnings: &mut ImportWarnings,
     ) -> Result<Vec<u32>, SceneError> {
         let order = self.accessors.indices(index, place, warnings)?;
-        match order.iter().enumerate().find(|(_, i)| **i as usize >= vertices) {
+        match order.iter().enumerate().find(|(_, i)| u64::from(**i) >= vertices) {
             Some((k, i)) => Err(SceneError::at(place, format!("index {k} of accessor {} is {i}", index.0))
                 .expected(format!("indices below {vertices}, the number of vertices"))
                 .cure("export the model again")),

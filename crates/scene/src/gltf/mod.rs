@@ -83,7 +83,7 @@ fn import(
     let mut importer = GltfImporter {
         document: &document,
         outside,
-        geometry: PrimitiveReader { accessors: &accessors, quantized },
+        geometry: PrimitiveReader::new(&accessors, quantized),
         skins: SkinReader::new(&document, &accessors, warnings)?,
         materials: MaterialBuilder::new(&document, &buffers, outside),
         primitives: BTreeMap::new(),
@@ -217,18 +217,23 @@ impl GltfImporter<'_> {
             return Ok(built.clone());
         }
         let place = format!("/meshes/{mesh}/primitives/{number}");
+        let Some(corners) = self.geometry.corners(primitive, &place, warnings)? else {
+            self.geometry.accessors.built(0);
+            self.primitives.insert(key, None);
+            return Ok(None);
+        };
         let surface = self.materials.surface(primitive.material, warnings)?;
         let own = self.document.meshes.get(mesh).map_or(&[][..], |mesh| &mesh.weights);
         let weights = posed.and_then(|(_, node)| node.weights.as_deref()).unwrap_or(own);
         let skin = match posed.and_then(|(_, node)| node.skin) {
-            Some(skin) => self.skins.influences(skin, primitive, &place, warnings)?,
+            Some(skin) => self.skins.influences(&self.geometry, skin, primitive, corners.vertices, &place, warnings)?,
             None => None,
         };
         let source = MeshSource { primitive, needs: &surface.needs, weights, skin: skin.as_ref(), place: &place };
-        let mesh = self.geometry.mesh(&source, warnings)?;
-        self.geometry.accessors.built(mesh.as_ref().map_or(0, mesh_bytes));
+        let mesh = self.geometry.mesh(&source, corners, warnings)?;
+        self.geometry.accessors.built(mesh_bytes(&mesh));
         let extras = primitive.material.and_then(|m| self.document.materials.get(m.index())).map(|m| m.extras);
-        let built = mesh.map(|mesh| (Arc::new(mesh), surface.material, extras.unwrap_or_default()));
+        let built = Some((Arc::new(mesh), surface.material, extras.unwrap_or_default()));
         self.primitives.insert(key, built.clone());
         Ok(built)
     }

@@ -1,6 +1,7 @@
 //! Skins in their rest pose: vertices follow joints (glTF 2.0, section 3.7.3).
 
 use super::accessor::AccessorReader;
+use super::geometry::{AttributeSemantic, PrimitiveReader};
 use super::json::{GltfDocument, GltfInteger, GltfPrimitive};
 use super::nodes;
 use crate::SceneError;
@@ -37,8 +38,10 @@ impl<'a> SkinReader<'a> {
     /// Matrices of a primitive's vertices. `None` if it has no joints or no weights: it is then drawn where it is defined.
     pub fn influences(
         &self,
+        geometry: &PrimitiveReader<'_>,
         skin: GltfInteger,
         primitive: &GltfPrimitive,
+        vertices: u64,
         place: &str,
         warnings: &mut ImportWarnings,
     ) -> Result<Option<VertexMatrices>, SceneError> {
@@ -46,22 +49,15 @@ impl<'a> SkinReader<'a> {
         let mut matrices: Vec<DMat4> = Vec::new();
         let mut sums: Vec<f64> = Vec::new();
         for set in 0.. {
-            let attribute = |name: &str| primitive.attributes.get(&format!("{name}_{set}")).copied();
-            let (Some(numbers), Some(weights)) = (attribute("JOINTS"), attribute("WEIGHTS")) else { break };
-            let at = |name: &str| format!("{place}/attributes/{name}_{set}");
-            let numbers = self.accessors.floats::<4>(numbers, &at("JOINTS"), warnings)?;
-            let weights = self.accessors.floats::<4>(weights, &at("WEIGHTS"), warnings)?;
+            let Some([numbers, weights]) = influence_set(geometry, primitive, set, vertices, place, warnings)? else { break };
             self.accessors.charge((size_of::<DMat4>() + size_of::<f64>()) as u64 * numbers.len() as u64, place)?;
             matrices.resize(numbers.len().max(matrices.len()), DMat4::ZERO);
             sums.resize(matrices.len(), 0.0);
             for (i, (numbers, weights)) in numbers.iter().zip(&weights).enumerate() {
                 for (number, weight) in numbers.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {
                     let joint = joints.get(*number as usize).ok_or_else(|| {
-                        SceneError::at(at("JOINTS"), format!("vertex {i} follows joint {number}")).expected(format!(
-                            "a joint below {}, the number of joints of /skins/{}",
-                            joints.len(),
-                            skin.0
-                        ))
+                        SceneError::at(format!("{place}/attributes/JOINTS_{set}"), format!("vertex {i} follows joint {number}"))
+                            .expected(format!("a joint below {}, the number of joints of /skins/{}", joints.len(), skin.0))
                     })?;
                     matrices[i] += *joint * f64::from(*weight);
                     sums[i] += f64::from(*weight);
@@ -103,6 +99,29 @@ impl<'a> SkinReader<'a> {
     }
 }
 
+/// Reads the joint numbers and the weights of a set; `None` if the primitive lacks one of them.
+fn influence_set(
+    geometry: &PrimitiveReader<'_>,
+    primitive: &GltfPrimitive,
+    set: usize,
+    vertices: u64,
+    place: &str,
+    warnings: &mut ImportWarnings,
+) -> Result<Option<[Vec<[f32; 4]>; 2]>, SceneError> {
+    let attributes = &primitive.attributes;
+    let [joints, weights] = ["JOINTS", "WEIGHTS"].map(|name| format!("{name}_{set}"));
+    if !attributes.contains_key(&joints) || !attributes.contains_key(&weights) {
+        return Ok(None);
+    }
+    let mut read = |name: &str, semantic| {
+        let place = format!("{place}/attributes/{name}");
+        geometry.elements::<4>(attributes, name, Some(vertices), semantic, &place, warnings)
+    };
+    let numbers = read(&joints, AttributeSemantic::Joints)?.unwrap_or_default();
+    let weights = read(&weights, AttributeSemantic::Weights)?.unwrap_or_default();
+    Ok(Some([numbers, weights]))
+}
+
 /// Divides matrices by the sums of their weights.
 fn normalize(matrices: &mut [DMat4], sums: &[f64], place: &str, warnings: &mut ImportWarnings) {
     for (matrix, sum) in matrices.iter_mut().zip(sums) {
@@ -128,10 +147,6 @@ impl VertexMatrices {
         tangents: Option<&mut Vec<[f32; 4]>>,
         place: &str,
     ) -> Result<(), SceneError> {
-        if self.matrices.len() != mesh.positions.len() {
-            return Err(SceneError::at(format!("{place}/attributes/JOINTS_0"), format!("{} elements", self.matrices.len()))
-                .expected(format!("{}, as many as POSITION", mesh.positions.len())));
-        }
         for (position, matrix) in mesh.positions.iter_mut().zip(&self.matrices) {
             *position = matrix.transform_point3(DVec3::from_array(position.map(f64::from))).as_vec3().to_array();
         }

@@ -76,6 +76,17 @@ fn zeros(count: u64, kind: &str) -> Value {
     json!({"componentType": 5126, "count": count, "type": kind})
 }
 
+/// One triangle of the first three of these positions.
+fn with_positions(accessor: Value) -> Value {
+    with(&[
+        ("/accessors/0", accessor),
+        ("/buffers/1", json!({"uri": "data:;base64,AAEC", "byteLength": 3})),
+        ("/bufferViews/1", json!({"buffer": 1, "byteLength": 3})),
+        ("/accessors/1", json!({"bufferView": 1, "componentType": 5121, "count": 3, "type": "SCALAR"})),
+        ("/meshes/0/primitives/0/indices", 1.into()),
+    ])
+}
+
 #[test]
 fn gltf_size_over_budget_is_refused() {
     let many = |item: Value, count: usize| Value::Array(vec![item; count]);
@@ -121,7 +132,7 @@ fn gltf_size_over_budget_is_refused() {
         ),
         ("/images, its texels", "large.png: /images/0: needs", textured("large.png", "baseColorTexture")),
         ("/images, its normals", "large.png: /images/0: needs", textured("large.png", "normalTexture")),
-        ("/accessors/count", "for elements of accessor 0", with(&[("/accessors/0", zeros(200_000, "VEC3"))])),
+        ("/accessors/count", "for elements of accessor 0", with_positions(zeros(200_000, "VEC3"))),
         (
             "/accessors/count, decoded",
             "for vertices and triangles",
@@ -135,10 +146,9 @@ fn gltf_size_over_budget_is_refused() {
         (
             "/accessors/sparse",
             "for elements of accessor 0",
-            with(&[(
-                "/accessors/0",
+            with_positions(
                 json!({"componentType": 5126, "count": 200_000, "type": "VEC3", "sparse": {"count": 1, "indices": {"bufferView": 0, "componentType": 5121}, "values": {"bufferView": 0}}}),
-            )]),
+            ),
         ),
         (
             "/meshes/primitives/indices",
