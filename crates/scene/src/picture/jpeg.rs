@@ -33,11 +33,31 @@ const GUARD: [u8; 2048] = {
     guard
 };
 
+/// Maximum number of scans. A progressive file has about ten.
+const MAX_SCANS: u64 = 1000;
+
+/// Maximum number of samples of all scans. A scan of few bytes can pass over all samples.
+const MAX_SCANNED_SAMPLES: u64 = 1 << 36;
+
+/// Refuses a file with so many scans that the decoder would need minutes.
+fn check_scans(header: &JpegHeader) -> Result<(), SceneError> {
+    let scans = header.scan_ends.len();
+    let most = MAX_SCANS.min(MAX_SCANNED_SAMPLES / header.samples().max(1));
+    if scans as u64 <= most {
+        return Ok(());
+    }
+    let [width, height] = header.size;
+    Err(SceneError::at("", format!("this JPEG has {scans} scans"))
+        .expected(format!("at most {most} in an image of {width} x {height}"))
+        .cure("open it in an image editor and save it as an ordinary JPEG or as PNG"))
+}
+
 /// Decodes a JPEG file into RGBA, with the memory that its texels take.
 pub(super) fn decode(bytes: &[u8], name: &str, outside: &ImportContext<'_>) -> Result<(Image, MemoryReservation), SceneError> {
     let header = JpegHeader::read(bytes)?;
     let [width, height] = header.size;
     check_size([width, height])?;
+    check_scans(&header)?;
     let file = (bytes.len() + header.scan_ends.len() * GUARD.len()) as u64;
     let what = texels_of(name, header.size);
     let mut held = outside.take(file + SAMPLE * header.samples(), "", what)?;

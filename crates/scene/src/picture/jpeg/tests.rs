@@ -124,6 +124,16 @@ fn sampling_factor_that_divides_no_other_is_refused() {
     assert!(error.contains("has sampling factors 3 and 2, whose ratio is not a whole number"), "{error}");
 }
 
+#[test]
+fn too_many_scans_are_refused() {
+    let file = case("1x1 interleaved restart None").file;
+    let scan = file.windows(2).rposition(|pair| pair == [0xff, 0xda]).unwrap();
+    let (head, rest) = file.split_at(scan);
+    let (scan, end) = rest.split_at(rest.len() - 2);
+    let error = decoded(&[head, &scan.repeat(1001), end].concat()).map(drop).unwrap_err().to_string();
+    assert!(error.starts_with("t.jpg: this JPEG has 1001 scans; expected at most 1000 in an image of"), "{error}");
+}
+
 /// Photoshop writes RGB with component numbers 1 to 3, an Adobe segment with transform 0, and no JFIF segment.
 #[test]
 fn adobe_transform_0_means_rgb() {
