@@ -85,6 +85,10 @@ pub(crate) fn lamps(
         placed += 1;
         let lamp = lamp(definition, node, warnings)?;
         let illuminance = luminance(definition, warnings) * falloff(lamp, centre);
+        if !illuminance.is_finite() {
+            return Err(SceneError::at(format!("/nodes/{}", node.index), "its light is infinitely strong at the model's centre")
+                .expected("a light whose color, intensity and distance are of ordinary size"));
+        }
         if illuminance > 0.0 {
             lamps.push((lamp, illuminance));
         }
@@ -97,7 +101,10 @@ pub(crate) fn lamps(
         warnings.add("intensities of lights are physical: scaled so that the strongest is 1 at the model's centre");
     }
     if lamps.iter().any(|(lamp, _)| matches!(lamp, LightSource::Point(_))) {
-        warnings.add("point lights have no falloff with distance: each is as strong everywhere as at the model's centre");
+        warnings.add(
+            "point lights have no falloff with distance, and one direction for each object: each is as strong everywhere as at the \
+             model's centre, and shines on a whole object from where it stands as seen from the object's centre",
+        );
     }
     Ok(lamps.into_iter().map(|(lamp, i)| (lamp, i / strongest)).collect())
 }
@@ -148,7 +155,7 @@ fn falloff(lamp: LightSource, centre: DVec3) -> f64 {
         LightSource::Directional(_) => 1.0,
         LightSource::Point(p) => {
             let squared = (p - centre).length_squared();
-            if squared > 0.0 { 1.0 / squared } else { 1.0 }
+            if squared.is_normal() { 1.0 / squared } else { 1.0 }
         }
     }
 }
