@@ -3,7 +3,8 @@
 use basrelief_signals::{Lighting, ShadingSettings};
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, IgnoredAny, MapAccess, Visitor};
-use std::fmt::{Formatter, Result as FmtResult};
+use std::fmt::{Display, Formatter, Result as FmtResult};
+use std::ops::RangeInclusive;
 
 /// Content of `extras.basrelief` of a node, a material or a scene. Other extras belong to other programs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -29,6 +30,30 @@ struct OwnExtras {
     #[serde(default)]
     shading: ShadingSettings,
     lighting: Option<Lighting>,
+}
+
+/// Number of reference normals that an object may have.
+const ENTRIES: RangeInclusive<u32> = 1..=65_536;
+
+/// Levels by which a table may be coarser.
+const BIAS: RangeInclusive<u8> = 0..=7;
+
+impl OwnExtras {
+    /// Returns the name and the range of the first number out of range.
+    fn fault(&self) -> Option<String> {
+        fn outside<T: PartialOrd + Display>(name: &str, value: Option<T>, range: &RangeInclusive<T>) -> Option<String> {
+            let value = value.filter(|value| !range.contains(value))?;
+            Some(format!("`{name}` is {value}, expected {}..={}", range.start(), range.end()))
+        }
+        let shading = || {
+            let (name, value) = self.shading.out_of_range()?;
+            Some(format!("`shading.{name}` is {value}, expected 0..={}", ShadingSettings::MAX_INTENSITY))
+        };
+        (outside("entries", self.entries, &ENTRIES))
+            .or_else(|| outside("bias", self.bias, &BIAS))
+            .or_else(|| self.lighting.and_then(faulty_coefficient).map(str::to_owned))
+            .or_else(shading)
+    }
 }
 
 /// Returns the name and the range of the first coefficient out of range.
@@ -59,16 +84,11 @@ impl<'de> Visitor<'de> for ExtrasVisitor {
         let mut extras = BasreliefExtras::default();
         while let Some(key) = map.next_key::<String>()? {
             if key == "basrelief" {
-                let OwnExtras { entries, bias, bump, shading, lighting } = map.next_value()?;
-                if let Some(fault) = lighting.and_then(faulty_coefficient) {
+                let own: OwnExtras = map.next_value()?;
+                if let Some(fault) = own.fault() {
                     return Err(A::Error::custom(fault));
                 }
-                if let Some((name, value)) = shading.out_of_range() {
-                    return Err(A::Error::custom(format!(
-                        "`shading.{name}` is {value}, expected 0..={}",
-                        ShadingSettings::MAX_INTENSITY
-                    )));
-                }
+                let OwnExtras { entries, bias, bump, shading, lighting } = own;
                 extras = BasreliefExtras { entries, bias, bump, shading, lighting };
             } else {
                 map.next_value::<IgnoredAny>()?;
@@ -120,6 +140,20 @@ mod tests {
         let ours = serde_json::from_str::<BasreliefExtras>(r#"{"x": [], "basrelief": {"entries": 64, "bump": false}}"#).unwrap();
         assert_eq!(ours, BasreliefExtras { entries: Some(64), bump: Some(false), ..BasreliefExtras::default() });
         assert!(serde_json::from_str::<BasreliefExtras>(r#"{"basrelief": {"entires": 64}}"#).is_err());
+    }
+
+    #[test]
+    fn entries_and_bias_out_of_range_are_errors() {
+        let read = |ours: &str| serde_json::from_str::<BasreliefExtras>(&format!(r#"{{"basrelief": {ours}}}"#));
+        assert!(read(r#"{"entries": 65536, "bias": 7}"#).is_ok() && read(r#"{"entries": 1, "bias": 0}"#).is_ok());
+        for (wrong, message) in [
+            (r#"{"entries": 0}"#, "`entries` is 0, expected 1..=65536"),
+            (r#"{"entries": 65537}"#, "`entries` is 65537, expected 1..=65536"),
+            (r#"{"bias": 8}"#, "`bias` is 8, expected 0..=7"),
+        ] {
+            let error = read(wrong).unwrap_err().to_string();
+            assert!(error.starts_with(message), "{error}");
+        }
     }
 
     #[test]
