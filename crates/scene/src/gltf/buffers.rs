@@ -115,7 +115,8 @@ fn load_buffer<'a>(
 /// Reads the bytes of a data URI or of a file relative to the model, with their reservation.
 pub(crate) fn read_uri(uri: &str, outside: &ImportContext<'_>, place: &str) -> Result<(Vec<u8>, MemoryReservation), SceneError> {
     if uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
-        let held = outside.take(uri.len() as u64, place, "a data URI")?;
+        // Text without percent escapes, and the bytes.
+        let held = outside.take(uri.len() as u64 * if uri.contains('%') { 2 } else { 1 }, place, "a data URI")?;
         return decode_data_uri(uri).map(|bytes| (bytes, held)).ok_or_else(|| {
             SceneError::at(place, format!("invalid data URI `{}`", shorten(uri)))
                 .expected("`data:[type];base64,` and base64 text, or `data:[type],` and percent-encoded bytes")
@@ -136,7 +137,12 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 
 fn decode_data_uri(uri: &str) -> Option<Vec<u8>> {
     let (head, data) = uri.split_once(',')?;
-    if head.to_ascii_lowercase().ends_with(";base64") { BASE64.decode(data.trim()).ok() } else { percent_bytes(data) }
+    if !head.to_ascii_lowercase().ends_with(";base64") {
+        return percent_bytes(data);
+    }
+    // Base64 text has three special characters, which some exporters escape.
+    let text = if data.contains('%') { Cow::Owned(percent_bytes(data)?) } else { Cow::Borrowed(data.as_bytes()) };
+    BASE64.decode(text.trim_ascii()).ok()
 }
 
 fn percent_decode(uri: &str) -> Option<String> {
@@ -170,6 +176,7 @@ mod tests {
         let read = |uri: &str| read_uri(uri, &outside, "").map(|(bytes, _)| bytes);
         assert_eq!(read("a%20b.bin").unwrap(), b"xyz");
         assert_eq!(read("data:application/octet-stream;base64,AAEC").unwrap(), [0, 1, 2]);
+        assert_eq!(read("data:;base64,%2B%2F8%3D").unwrap(), [0xfb, 0xff]);
         assert_eq!(read("data:;base64,AA").unwrap(), [0]);
         assert_eq!(read("data:text/plain,x%00").unwrap(), [b'x', 0]);
         for bad in ["data:", "data:;base64,A*", "a%2", "a%zz", "%ff", "http://a/b", "/a", "é"] {
