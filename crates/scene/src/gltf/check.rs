@@ -4,9 +4,11 @@ use super::json::{GltfDocument, GltfInteger, GltfNode, GltfPrimitive, MaterialDe
 use super::parse::escape;
 use crate::SceneError;
 use crate::error::ImportWarnings;
+use crate::files::shorten;
 
 /// Extensions that are fully supported.
-const SUPPORTED: [&str; 4] = ["KHR_lights_punctual", "KHR_texture_transform", "KHR_mesh_quantization", "KHR_node_visibility"];
+pub(super) const SUPPORTED: [&str; 4] =
+    ["KHR_lights_punctual", "KHR_texture_transform", "KHR_mesh_quantization", "KHR_node_visibility"];
 
 /// Extensions that refine how light interacts with a metallic-roughness surface. The lighting formula of these devices
 /// knows neither metal nor roughness, so a file that requires one of them is drawn without.
@@ -114,9 +116,14 @@ fn check_extensions(document: &GltfDocument, warnings: &mut ImportWarnings) -> R
         }
     }
     for name in document.extensions_used.iter().filter(|n| !SUPPORTED.contains(&n.as_str())) {
-        warnings.add(format!("the extension `{name}` is not supported: drawn without it"));
+        warnings.add(unsupported(name));
     }
     Ok(())
+}
+
+/// Returns the warning of an extension that is left out.
+pub(super) fn unsupported(name: &str) -> String {
+    format!("the extension `{}` is not supported: drawn without it", shorten(name))
 }
 
 fn check_node(document: &GltfDocument, i: usize, node: &GltfNode) -> Result<(), SceneError> {

@@ -192,7 +192,13 @@ pub(crate) struct GltfPrimitive {
     pub mode: Option<GltfInteger>,
     #[serde(default)]
     pub targets: Vec<BTreeMap<String, GltfInteger>>,
+    #[serde(rename = "extensions")]
+    pub _extensions: Option<NoExtension>,
 }
+
+/// Extensions of an object for which the importer supports none. Each of its keys is an ignored key.
+#[derive(Deserialize)]
+pub(crate) struct NoExtension {}
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
@@ -243,6 +249,8 @@ pub(crate) struct BufferView {
     pub byte_offset: GltfInteger,
     pub byte_length: GltfInteger,
     pub byte_stride: Option<GltfInteger>,
+    #[serde(rename = "extensions")]
+    pub _extensions: Option<NoExtension>,
 }
 
 #[derive(Deserialize)]

@@ -1,7 +1,7 @@
 //! Materials and their textures.
 
 use super::buffers::{GltfBuffers, read_uri};
-use super::check::resolve;
+use super::check::{resolve, unsupported};
 use super::geometry::{RequestedAttributes, UvRequest};
 use super::json::{GltfDocument, GltfInteger, MaterialDef, TextureInfo};
 use crate::SceneError;
@@ -293,6 +293,6 @@ fn warn_of_omissions(definition: &MaterialDef, place: &str, warnings: &mut Impor
         warnings.add(format!("{place}: alphaMode {mode} is not supported: drawn opaque"));
     }
     for name in definition.extensions.keys() {
-        warnings.add(format!("the extension `{name}` is not supported: drawn without it"));
+        warnings.add(unsupported(name));
     }
 }

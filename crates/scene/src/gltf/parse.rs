@@ -2,7 +2,7 @@
 
 use super::json::GltfDocument;
 use super::other::other_format;
-use super::unknown::is_unknown;
+use super::unknown::warning_of;
 use crate::SceneError;
 use crate::error::ImportWarnings;
 use crate::outside::ImportContext;
@@ -26,8 +26,8 @@ pub(crate) fn parse(
     })?;
     let held = outside.take(json_weight(bytes), "", "its JSON")?;
     let mut warn = |path: JsonPath| {
-        if is_unknown(&path) {
-            warnings.add(format!("{}: glTF 2.0 does not define this key, so it is ignored; check its spelling", pointer(&path)));
+        if let Some(warning) = warning_of(&path) {
+            warnings.add(warning);
         }
     };
     let document = basrelief_input::from_str_with_ignored(text, &mut warn).map_err(|fault| {
@@ -51,7 +51,7 @@ pub fn json_error(fault: &JsonFault) -> SceneError {
 }
 
 /// The JSON pointer of a place.
-fn pointer(path: &JsonPath) -> String {
+pub(super) fn pointer(path: &JsonPath) -> String {
     let step = |step: &JsonStep| match step {
         JsonStep::Item(item) => format!("/{item}"),
         JsonStep::Key(key) => format!("/{}", escape(key)),

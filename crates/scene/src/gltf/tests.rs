@@ -93,7 +93,11 @@ fn with(mut document: Value, pointer: &str, value: Value) -> Value {
 
 /// A copy of the square with another buffer, a view over it, and an accessor that the attribute then uses.
 fn with_attribute(name: &str, data: &[u8], view: Value, accessor: Value) -> Value {
-    let mut document = square();
+    with_attribute_of(square(), name, data, view, accessor)
+}
+
+/// The document with one more attribute, as in [`with_attribute`].
+fn with_attribute_of(mut document: Value, name: &str, data: &[u8], view: Value, accessor: Value) -> Value {
     let mut push = |list: &str, value: Value| {
         let list = document[list].as_array_mut().unwrap();
         list.push(value);
@@ -160,6 +164,7 @@ fn dark_lights_and_cut_sides_are_warnings() {
     assert!(
         warns(&spot, falloff) && !warns(&with(spot, "/extensions/KHR_lights_punctual/lights/0/intensity", json!(0)), falloff)
     );
+    assert!(warns(&lights, "one direction for each object"));
     // The image is 4 to 3.
     let orthographic =
         |xmag, ymag| json!([{"type": "orthographic", "orthographic": {"xmag": xmag, "ymag": ymag, "znear": 0, "zfar": 9}}]);
@@ -167,6 +172,18 @@ fn dark_lights_and_cut_sides_are_warnings() {
     assert!(cut(-4, 2) && !cut(4, 3) && !cut(1, 2));
     let wide = json!([{"type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1, "aspectRatio": 1.8}}]);
     assert!(warns(&with(square(), "/cameras", wide), "is 1.35 times as wide as the image"));
+}
+
+#[test]
+fn strength_of_light_stays_finite() {
+    let light =
+        |kind: &str| with(square(), "/extensions/KHR_lights_punctual/lights/0", json!({"type": kind, "intensity": 1e308}));
+    let strong = with(light("directional"), "/extensions/KHR_lights_punctual/lights/0/color", json!([10, 10, 10]));
+    refuses(&strong, "/nodes/3: its light is infinitely strong at the model's centre");
+    // The light is 1e-160 from the centre of the square.
+    let near =
+        with(with(light("point"), "/nodes/0/translation", json!([-1, -1, 0])), "/nodes/3/translation", json!([1, 1, 1e-160]));
+    assert_eq!(import(&near).unwrap().frames[0].lights[0].intensity, 1.0);
 }
 
 #[test]
@@ -202,6 +219,47 @@ fn quantized_and_strided_attributes_are_read() {
     let document = with(document, "/extensionsUsed", json!(["KHR_mesh_quantization"]));
     let document = with(document, "/extensionsRequired", json!(["KHR_mesh_quantization"]));
     assert_eq!(import(&document).unwrap().objects[0].mesh.positions[2], [50., 50., 0.]);
+}
+
+/// The square with a skin. Its attributes hold these joints and weights.
+fn skinned(joints: (&[u8], Value), weights: (&[u8], Value)) -> Value {
+    let mut document = with(with(square(), "/skins", json!([{"joints": [0]}])), "/nodes/1/skin", json!(0));
+    for (name, (data, accessor)) in [("JOINTS_0", joints), ("WEIGHTS_0", weights)] {
+        document = with_attribute_of(document, name, data, json!({}), accessor);
+    }
+    document
+}
+
+#[test]
+fn joints_and_weights_must_fit_positions() {
+    let joints = || (&[0; 16][..], json!({"componentType": 5121, "type": "VEC4"}));
+    let ones = floats(&[1., 0., 0., 0.].repeat(4));
+    let weights = |count: usize| (&ones[..16 * count], json!({"componentType": 5126, "type": "VEC4", "count": count}));
+    assert!(import(&skinned(joints(), weights(4))).is_ok());
+    let expected = "/attributes/WEIGHTS_0: accessor 5 has 3 elements; expected 4, as many as POSITION";
+    refuses(&skinned(joints(), weights(3)), expected);
+    let few = (&[0; 12][..], json!({"componentType": 5121, "type": "VEC4", "count": 3}));
+    refuses(&skinned(few, weights(4)), "/attributes/JOINTS_0: accessor 4 has 3 elements; expected 4");
+    let float = (&ones[..], json!({"componentType": 5126, "type": "VEC4"}));
+    refuses(&skinned(float, weights(4)), "JOINTS_0: accessor 4 is VEC4 of float; expected VEC4 of unsigned byte or short");
+    let plain = (&[1; 16][..], json!({"componentType": 5121, "type": "VEC4"}));
+    refuses(&skinned(joints(), plain), "WEIGHTS_0: accessor 5 is VEC4 of unsigned byte; expected VEC4 of float, normalized");
+}
+
+/// All primitives share two large accessors, which took minutes to decode again for each.
+#[test]
+fn primitives_without_triangles_are_skipped_fast() {
+    let zeros = |component: u32, kind: &str, count: u32| json!({"componentType": component, "type": kind, "count": count});
+    let mut document = square();
+    let accessors = [zeros(5126, "VEC3", 1 << 20), zeros(5125, "SCALAR", 1 << 20), zeros(5125, "SCALAR", 1)];
+    document["accessors"].as_array_mut().unwrap().extend(accessors);
+    let primitives = document["meshes"][0]["primitives"].as_array_mut().unwrap();
+    for i in 0..6000 {
+        primitives.push(json!({"attributes": {"POSITION": 4}, "indices": 5 + i % 2}));
+    }
+    let began = std::time::Instant::now();
+    assert_eq!(import(&document).unwrap().objects.len(), 1);
+    assert!(began.elapsed().as_secs() < 10, "{:?}", began.elapsed());
 }
 
 #[test]
@@ -352,6 +410,20 @@ fn keys_that_gltf_does_not_define_are_warnings() {
     ] {
         assert_eq!(unknown(place, value), [""; 0], "{place}");
     }
+}
+
+#[test]
+fn undeclared_extensions_are_warnings() {
+    for place in ["/meshes/0/primitives/0", "/nodes/1", "/bufferViews/0", "/materials/0/normalTexture", ""] {
+        let mut document = square();
+        document.pointer_mut(place).unwrap()["extensions"]["XY_other"] = json!({"a": 1});
+        let warnings = import(&document).unwrap().warnings;
+        let other: Vec<_> = warnings.iter().filter(|warning| warning.contains("XY_other")).collect();
+        assert_eq!(other, ["the extension `XY_other` is not supported: drawn without it"], "{place}");
+    }
+    let misplaced = with(square(), "/meshes/0/primitives/0/extensions", json!({"KHR_node_visibility": {}}));
+    let message = "/meshes/0/primitives/0/extensions/KHR_node_visibility: this extension has no meaning here, so it is ignored";
+    assert!(import(&misplaced).unwrap().warnings.iter().any(|warning| warning == message));
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! Keys of a document that glTF 2.0 does not define, such as misspelled ones.
 
+use super::check::{SUPPORTED, unsupported};
+use super::parse::pointer;
 use basrelief_input::{JsonPath, JsonStep};
 
 /// Properties of glTF 2.0 that the importer does not read. Every object may have the first three.
@@ -20,11 +22,19 @@ const NOT_READ: [&str; 14] = [
     "animations",
 ];
 
-/// Returns true if glTF 2.0 does not define this key, which the importer does not read.
-pub(super) fn is_unknown(path: &JsonPath) -> bool {
+/// Returns the warning of a key that the importer does not read; `None` for keys of glTF 2.0.
+pub(super) fn warning_of(path: &JsonPath) -> Option<String> {
     let is = |step: &JsonStep, name: &str| matches!(step, JsonStep::Key(key) if key == name);
-    let Some((JsonStep::Key(last), around)) = path.0.split_last() else { return false };
-    let is_extension = around.last().is_some_and(|step| is(step, "extensions"));
-    let is_free = around.iter().any(|step| is(step, "extras") || is(step, "animations"));
-    !(is_extension || is_free || NOT_READ.contains(&last.as_str()))
+    let (JsonStep::Key(last), around) = path.0.split_last()? else { return None };
+    if around.iter().any(|step| is(step, "extras") || is(step, "animations")) || NOT_READ.contains(&last.as_str()) {
+        return None;
+    }
+    let place = pointer(path);
+    Some(match around.last() {
+        Some(step) if is(step, "extensions") && SUPPORTED.contains(&last.as_str()) => {
+            format!("{place}: this extension has no meaning here, so it is ignored")
+        }
+        Some(step) if is(step, "extensions") => unsupported(last),
+        _ => format!("{place}: glTF 2.0 does not define this key, so it is ignored; check its spelling"),
+    })
 }
