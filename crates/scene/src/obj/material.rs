@@ -24,6 +24,19 @@ const EXPONENTS: [f32; 2] = [1.0, 1000.0];
 /// Materials by name: a file can have as many as lines.
 pub(super) type MaterialLibrary<'a> = BTreeMap<&'a [u8], &'a MtlMaterial>;
 
+/// Returns materials by name. The first of two materials with the same name counts.
+pub(super) fn by_name<'a>(definitions: &'a [MtlMaterial], warnings: &mut ImportWarnings) -> MaterialLibrary<'a> {
+    let mut library = MaterialLibrary::new();
+    for definition in definitions {
+        if library.contains_key(definition.name.as_slice()) {
+            warnings.add(format!("material `{}` is defined twice: its first definition is used", shown(&definition.name)));
+        } else {
+            library.insert(&definition.name, definition);
+        }
+    }
+    library
+}
+
 /// File, whether it is clamped, kind of content, and the bits of its height.
 type TextureKey = (String, bool, u8, u64);
 
@@ -45,34 +58,41 @@ pub(super) struct MaterialBuilder<'a> {
     store: TextureStore,
     /// Textures made so far; `None` for a picture that is missing.
     shared: BTreeMap<TextureKey, Option<Arc<Texture>>>,
+    /// A library cannot be read, so that a warning names its lack.
+    lacks_library: bool,
 }
 
 impl<'a> MaterialBuilder<'a> {
     pub fn new(outside: &'a ImportContext<'a>) -> Self {
-        Self { outside, store: TextureStore::default(), shared: BTreeMap::new() }
+        Self { outside, store: TextureStore::default(), shared: BTreeMap::new(), lacks_library: false }
     }
 
     /// Reads the libraries that `mtllib` statements name. A missing one is a warning.
-    pub fn libraries(&self, statements: &[Vec<u8>], warnings: &mut ImportWarnings) -> Result<Vec<MtlMaterial>, SceneError> {
+    pub fn libraries(&mut self, statements: &[Vec<u8>], warnings: &mut ImportWarnings) -> Result<Vec<MtlMaterial>, SceneError> {
         let mut all = Vec::new();
         for statement in statements {
             match self.library(statement, warnings) {
                 Ok(materials) => all.extend(materials),
                 Err(error) if error.over_budget => return Err(error),
                 // A statement can name several libraries; a name can have blanks, too.
-                Err(error) if words(statement).nth(1).is_none() => warnings.add(format!("{error}; drawn without its materials")),
+                Err(error) if words(statement).nth(1).is_none() => self.warn_of_library(&error, warnings),
                 Err(_) => {
                     for word in words(statement) {
                         match self.library(word, warnings) {
                             Ok(materials) => all.extend(materials),
                             Err(error) if error.over_budget => return Err(error),
-                            Err(error) => warnings.add(format!("{error}; drawn without its materials")),
+                            Err(error) => self.warn_of_library(&error, warnings),
                         }
                     }
                 }
             }
         }
         Ok(all)
+    }
+
+    fn warn_of_library(&mut self, error: &SceneError, warnings: &mut ImportWarnings) {
+        self.lacks_library = true;
+        warnings.add(format!("{error}; drawn without its materials"));
     }
 
     fn library(&self, name: &[u8], warnings: &mut ImportWarnings) -> Result<Vec<MtlMaterial>, SceneError> {
@@ -97,7 +117,7 @@ impl<'a> MaterialBuilder<'a> {
         // Without culling: OBJ does not say which side of a face is meant.
         let plain = Material { id, name: escaped(name), double_sided: true, ..Material::default() };
         let Some(definition) = library.get(name) else {
-            if !name.is_empty() && !library.is_empty() {
+            if !name.is_empty() && !(library.is_empty() && self.lacks_library) {
                 warnings.add(format!("material `{}` is in no library: drawn white", shown(name)));
             }
             return Ok(PlacedMaterial { material: Arc::new(plain), color: None, relief: None, emits: false });

@@ -21,7 +21,7 @@ use crate::outside::{ImportContext, mesh_bytes};
 use crate::tangents;
 use basrelief_signals::{Object, ShadingSettings};
 use glam::DMat4;
-use material::{MaterialBuilder, MaterialLibrary, OBJECT, PlacedMaterial};
+use material::{MaterialBuilder, OBJECT, PlacedMaterial};
 use mesh::{CORNER, MeshParts, OffsetPositions, SmoothNormals, TRIANGLES};
 use parse::ObjGroup;
 use std::collections::BTreeMap;
@@ -42,8 +42,7 @@ pub(crate) fn import(
     }
     let mut materials = MaterialBuilder::new(outside);
     let definitions = materials.libraries(&obj.libraries, warnings)?;
-    // The first of two materials with the same name counts.
-    let library: MaterialLibrary<'_> = definitions.iter().rev().map(|m| (m.name.as_slice(), m)).collect();
+    let library = material::by_name(&definitions, warnings);
     let _local = outside.take((size_of::<[f32; 3]>() * obj.positions.len()) as u64, "", "positions")?;
     let positions = OffsetPositions::new(&obj);
     let (smooth, _smooth) = SmoothNormals::new(&obj, &positions, outside, warnings)?;

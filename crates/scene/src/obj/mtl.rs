@@ -1,7 +1,7 @@
 //! Material libraries (MTL).
 
 use super::map::{self, TextureMap};
-use super::text::{Line, escaped, keyword_and_rest, lines, numbers, shown};
+use super::text::{Line, check_text, escaped, keyword_and_rest, lines, numbers, shown};
 use crate::SceneError;
 use crate::error::ImportWarnings;
 use crate::outside::ImportContext;
@@ -58,13 +58,14 @@ const KEYWORD: &[u8] = b"newmtl";
 /// Parses a material library. A statement that cannot be used is left out with a warning that names `file`.
 ///
 /// # Errors
-/// Over the budget.
+/// No text, or over the budget.
 pub(super) fn parse(
     bytes: &[u8],
     file: &str,
     outside: &ImportContext<'_>,
     warnings: &mut ImportWarnings,
 ) -> Result<Vec<MtlMaterial>, SceneError> {
+    check_text(bytes, "MTL")?;
     // It stays as long as the scene is read, and so it is counted as if it stayed for good.
     let materials = bytes.windows(KEYWORD.len()).filter(|window| *window == KEYWORD).count();
     let structs = (2 * size_of::<MtlMaterial>() + size_of::<TextureMap>()) * materials;
@@ -96,7 +97,7 @@ fn statement(line: &Line<'_>, materials: &mut Vec<MtlMaterial>, warnings: &mut I
         b"ks" => material.specular = Some(color(rest, [0.0; 3], &keyword, warnings)?.map(|c| clamped(c, "Ks", warnings))),
         b"ke" => material.emission = color(rest, [0.0; 3], &keyword, warnings)?.map(|c| clamped(c, "Ke", warnings)),
         b"ns" => material.exponent = Some(numbers::<1>(rest, 1)?.1[0] as f32),
-        b"illum" => material.model = Some(numbers::<1>(rest, 1)?.1[0] as u32),
+        b"illum" => material.model = Some(model(rest)?),
         b"map_kd" => material.color = map::parse(rest, warnings)?,
         b"map_ke" => material.emission_map = map::parse(rest, warnings)?,
         b"map_bump" | b"bump" => material.bump = map::parse(rest, warnings)?,
@@ -115,6 +116,15 @@ fn statement(line: &Line<'_>, materials: &mut Vec<MtlMaterial>, warnings: &mut I
     Ok(())
 }
 
+/// Number of an illumination model.
+fn model(text: &[u8]) -> Result<u32, SceneError> {
+    let number = numbers::<1>(text, 1)?.1[0];
+    if number.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&number) {
+        return Ok(number as u32);
+    }
+    Err(SceneError::at("", format!("illumination model `{}`", shown(text))).expected("a whole number 0..=10"))
+}
+
 /// A colour as one number or three; `fallback` if it is given in another way.
 fn color(rest: &[u8], fallback: [f32; 3], keyword: &[u8], warnings: &mut ImportWarnings) -> Result<[f32; 3], SceneError> {
     if matches!(keyword_and_rest(rest).0, b"spectral" | b"xyz") {
@@ -123,7 +133,11 @@ fn color(rest: &[u8], fallback: [f32; 3], keyword: &[u8], warnings: &mut ImportW
     }
     let (count, rgb) = numbers::<3>(rest, 1)?;
     let rgb = rgb.map(|c| c as f32);
-    Ok(if count == 3 { rgb } else { [rgb[0]; 3] })
+    match count {
+        1 => Ok([rgb[0]; 3]),
+        3 => Ok(rgb),
+        _ => Err(SceneError::at("", format!("{count} numbers")).expected("one number, or three for red, green and blue")),
+    }
 }
 
 fn clamped(component: f32, name: &str, warnings: &mut ImportWarnings) -> f32 {
@@ -182,6 +196,9 @@ mod tests {
         let number = "m.mtl: line 2: `x`; expected a finite number of single precision; correct it or export the file again";
         says("newmtl a\nKd x\n", &format!("{number}; this statement is left out"));
         says("newmtl a\nbump -bm\n", "m.mtl: line 2: 0 numbers behind `-bm`");
+        says("newmtl a\nKd 1 0\n", "m.mtl: line 2: 2 numbers; expected one number, or three for red, green and blue; this");
+        says("newmtl a\nillum -3\n", "m.mtl: line 2: illumination model `-3`; expected a whole number 0..=10; this");
+        says("newmtl a\nillum 1.5\n", "m.mtl: line 2: illumination model `1.5`");
         says("Kd 1 1 1\n", "m.mtl: line 1: `kd` in front of the first material; expected newmtl");
         says("newmtl a\nKd 1 1 2\n", "MTL: `Kd` beyond 0..=1 is clamped");
         says("newmtl a\nd 0.5\n", "material `a` is transparent: drawn opaque");

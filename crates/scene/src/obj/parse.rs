@@ -1,6 +1,6 @@
 //! The statements of an OBJ file.
 
-use super::text::{Line, escaped, keyword_and_rest, lines, number, numbers, shown, takes_name, words};
+use super::text::{Line, check_text, escaped, keyword_and_rest, lines, number, numbers, shown, takes_name, words};
 use crate::SceneError;
 use crate::error::ImportWarnings;
 use crate::outside::{ImportContext, over_budget};
@@ -79,10 +79,7 @@ pub(super) fn parse(
     outside: &ImportContext<'_>,
     warnings: &mut ImportWarnings,
 ) -> Result<(ObjFile, MemoryReservation), SceneError> {
-    if let Some(at) = bytes.iter().position(|b| *b == 0) {
-        let what = if matches!(bytes, [0xff, 0xfe, ..] | [0xfe, 0xff, ..]) { "UTF-16 text" } else { "binary data" };
-        return Err(SceneError::at(format!("byte {at}"), what).expected("OBJ text").cure("save the file as UTF-8 or ASCII text"));
-    }
+    check_text(bytes, "OBJ")?;
     // Only lines that are joined are copied. One may be the whole text, in a list that grows by doubling.
     let joined = bytes.windows(2).any(|pair| matches!(pair, b"\\\n" | b"\\\r"));
     let _lines = outside.take(if joined { 2 * bytes.len() as u64 } else { 0 }, "", "lines of OBJ text")?;
@@ -251,6 +248,9 @@ impl ObjParser<'_> {
             }
             let number: i64 = part.parse().map_err(|_| wrong())?;
             let zero_based = if number < 0 { counts[i] as i64 + number } else { number - 1 };
+            if number < 0 && zero_based < 0 {
+                return Err(before_first(word, i, counts[i]));
+            }
             let index = u32::try_from(zero_based).ok().filter(|i| *i != NONE).ok_or_else(wrong)?;
             corner[i] = index;
             if index >= self.largest[i].0 {
@@ -288,6 +288,16 @@ impl ObjParser<'_> {
             face.smoothing = initial;
         }
     }
+}
+
+/// Returns the error of a face vertex that counts back beyond the first element of its kind: position, texture coordinate or normal.
+fn before_first(word: &[u8], kind: usize, count: usize) -> SceneError {
+    let name = ["vertices", "texture coordinates", "normals"].get(kind).copied().unwrap_or_default();
+    let expected = match count {
+        0 => format!("numbers from 1, since the file has no {name} so far"),
+        _ => format!("at least -{count}, since the file has {count} {name} so far"),
+    };
+    SceneError::at("", format!("face vertex `{}` counts back too far", shown(word))).expected(expected)
 }
 
 fn over(error: OverBudget) -> SceneError {
@@ -349,6 +359,9 @@ mod tests {
         for corner in ["0", "-2", "1/2/3/4", "a", "1/x", "99999999999", "/1"] {
             says(&format!("v 0 0 0\nf 1 1 {corner}\n"), "line 2: face vertex");
         }
+        let back = "line 3: face vertex `-3` counts back too far; expected at least -2, since the file has 2 vertices so far";
+        says("v 0 0 0\nv 1 0 0\nf -3 -2 -1\nv 0 1 0\n", back);
+        says("v 0 0 0\nf 1/-1 1 1\n", "`1/-1` counts back too far; expected numbers from 1, since the file has no texture");
         says("v 0 0\u{0}", "byte 5: binary data");
     }
 

@@ -5,7 +5,9 @@ use crate::picture::tests::png;
 use crate::{SceneError, ViewOptions, load};
 use basrelief_input::MemoryPool;
 use basrelief_signals::{Scene, WrapMode};
+use image::{DynamicImage, ImageBuffer, ImageFormat, Luma};
 use proptest::prelude::*;
+use std::io::Cursor;
 
 const SQUARE: &str = "mtllib lib/m.mtl\no wall\nusemtl stone\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n\
     vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n";
@@ -35,6 +37,21 @@ fn materials_are_read_through_the_given_files() {
     let red = material.normal_map.as_ref().unwrap().levels[0].texels[5][0];
     let slope: f64 = 20.0 / 255.0 * 8.0;
     assert_eq!(f64::from(red), (127.5 * (1.0 - slope / (1.0 + slope * slope).sqrt())).round());
+}
+
+/// Steps of the ramp are a quarter of a step of 8 bits.
+#[test]
+fn height_map_of_sixteen_bits_has_smooth_slope() {
+    let ramp = ImageBuffer::from_fn(16, 4, |x, _| Luma([64 * x as u16]));
+    let mut bytes = Cursor::new(Vec::new());
+    DynamicImage::ImageLuma16(ramp).write_to(&mut bytes, ImageFormat::Png).unwrap();
+    let files =
+        MemoryFiles::default().with("lib/m.mtl", "newmtl stone\nbump -bm 100 h.png\n").with("lib/h.png", bytes.into_inner());
+    let scene = import(SQUARE, &files).unwrap();
+    let map = scene.objects[0].material.normal_map.clone().unwrap();
+    let slope: f64 = 64.0 / 65535.0 * 400.0;
+    let red = (127.5 * (1.0 - slope / (1.0 + slope * slope).sqrt())).round() as u8;
+    assert_eq!(map.levels[0].texels[1..15].iter().map(|texel| texel[0]).collect::<Vec<_>>(), [red; 14]);
 }
 
 #[test]
@@ -99,7 +116,25 @@ fn lookup_of_many_materials_is_fast() {
 #[test]
 fn first_of_two_equal_material_names_is_used() {
     let files = MemoryFiles::default().with("lib/m.mtl", "newmtl stone\nKd 1 0 0\nnewmtl stone\nKd 0 1 0\n");
-    assert_eq!(import(SQUARE, &files).unwrap().objects[0].material.base_color, [1.0, 0.0, 0.0, 1.0]);
+    let scene = import(SQUARE, &files).unwrap();
+    assert_eq!(scene.objects[0].material.base_color, [1.0, 0.0, 0.0, 1.0]);
+    assert_eq!(scene.warnings, ["material `stone` is defined twice: its first definition is used"]);
+}
+
+#[test]
+fn material_without_definition_is_a_warning() {
+    let files = MemoryFiles::default().with("lib/m.mtl", "# empty");
+    let missing = ["material `stone` is in no library: drawn white"];
+    assert_eq!(import(SQUARE, &files).unwrap().warnings, missing);
+    assert_eq!(import(SQUARE.trim_start_matches("mtllib lib/m.mtl\n"), &MemoryFiles::default()).unwrap().warnings, missing);
+}
+
+#[test]
+fn utf_16_library_is_named() {
+    let text: Vec<u8> = "\u{feff}newmtl stone\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let warnings = import(SQUARE, &MemoryFiles::default().with("lib/m.mtl", text)).unwrap().warnings;
+    let cure = "save the file as UTF-8 or ASCII text; drawn without its materials";
+    assert_eq!(warnings, [format!("lib/m.mtl: byte 3: UTF-16 text; expected MTL text; {cure}")]);
 }
 
 /// Vertex colours do not change the colour of an OBJ surface that only emits.

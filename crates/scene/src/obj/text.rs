@@ -37,6 +37,15 @@ pub(super) fn lines(text: &[u8]) -> impl Iterator<Item = Line<'_>> {
     })
 }
 
+/// Refuses binary data and UTF-16. `format` is for messages.
+pub(super) fn check_text(bytes: &[u8], format: &str) -> Result<(), SceneError> {
+    let Some(at) = bytes.iter().position(|b| *b == 0) else { return Ok(()) };
+    let what = if matches!(bytes, [0xff, 0xfe, ..] | [0xfe, 0xff, ..]) { "UTF-16 text" } else { "binary data" };
+    Err(SceneError::at(format!("byte {at}"), what)
+        .expected(format!("{format} text"))
+        .cure("save the file as UTF-8 or ASCII text"))
+}
+
 /// Takes the next physical line, without its end.
 fn split_line<'a>(rest: &mut &'a [u8]) -> Option<&'a [u8]> {
     if rest.is_empty() {
