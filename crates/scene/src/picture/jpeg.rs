@@ -33,16 +33,17 @@ const GUARD: [u8; 2048] = {
     guard
 };
 
-/// Maximum number of scans. A progressive file has about ten.
-const MAX_SCANS: u64 = 1000;
+/// Smallest and largest limit of the number of scans. A progressive file has about ten.
+const MAX_SCANS: [u64; 2] = [64, 1000];
 
-/// Maximum number of samples of all scans. A scan of few bytes can pass over all samples.
-const MAX_SCANNED_SAMPLES: u64 = 1 << 36;
+/// Maximum number of samples of all scans, about ten seconds. A scan of few bytes can pass over all samples.
+const MAX_SCANNED_SAMPLES: u64 = 1 << 33;
 
 /// Refuses a file with so many scans that the decoder would need minutes.
 fn check_scans(header: &JpegHeader) -> Result<(), SceneError> {
     let scans = header.scan_ends.len();
-    let most = MAX_SCANS.min(MAX_SCANNED_SAMPLES / header.samples().max(1));
+    let [least, largest] = MAX_SCANS;
+    let most = (MAX_SCANNED_SAMPLES / header.samples().max(1)).clamp(least, largest);
     if scans as u64 <= most {
         return Ok(());
     }
