@@ -16,6 +16,7 @@ mod nodes;
 mod other;
 pub(crate) mod parse;
 mod scene;
+mod semantic;
 mod skin;
 #[cfg(test)]
 mod tests;

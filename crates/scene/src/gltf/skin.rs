@@ -1,9 +1,10 @@
 //! Skins in their rest pose: vertices follow joints (glTF 2.0, section 3.7.3).
 
 use super::accessor::AccessorReader;
-use super::geometry::{AttributeSemantic, PrimitiveReader};
+use super::geometry::PrimitiveReader;
 use super::json::{GltfDocument, GltfInteger, GltfPrimitive};
 use super::nodes;
+use super::semantic::AttributeSemantic;
 use crate::SceneError;
 use crate::error::ImportWarnings;
 use basrelief_signals::Mesh;
