@@ -117,7 +117,8 @@ impl<'a> MaterialBuilder<'a> {
         // Without culling: OBJ does not say which side of a face is meant.
         let plain = Material { id, name: escaped(name), double_sided: true, ..Material::default() };
         let Some(definition) = library.get(name) else {
-            if !name.is_empty() && !(library.is_empty() && self.lacks_library) {
+            let is_reported = library.is_empty() && self.lacks_library;
+            if !name.is_empty() && !is_reported {
                 warnings.add(format!("material `{}` is in no library: drawn white", shown(name)));
             }
             return Ok(PlacedMaterial { material: Arc::new(plain), color: None, relief: None, emits: false });
