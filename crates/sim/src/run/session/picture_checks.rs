@@ -7,6 +7,8 @@ use basrelief_reference::{RenderStyle, RgbPicture, ShadingModel};
 #[derive(Debug, Default)]
 pub(super) struct PictureChecks {
     images: usize,
+    /// True if there are reference images.
+    is_compared: bool,
     /// Frames whose image is empty.
     empty: Vec<usize>,
     /// Largest share of drawn pixels that show surfaces from behind, rounded down \[%\]. Closed models show a few through gaps.
@@ -17,6 +19,7 @@ impl PictureChecks {
     /// Checks the image of a frame. `exact`: its reference image.
     pub(super) fn add(&mut self, frame: usize, image: &RgbPicture, exact: Option<&RgbPicture>) {
         self.images += 1;
+        self.is_compared |= exact.is_some();
         let (of_exact, backs) = exact.map_or((0, 0), |exact| (drawn(exact), exact.backs));
         // A user may leave a view before the machine has drawn anything of it.
         if of_exact == 0 && drawn(image) == 0 {
@@ -50,7 +53,8 @@ impl PictureChecks {
             let all = if images > 1 { format!("all {images} images are empty") } else { "the image is empty".to_owned() };
             format!("{all}: no triangle covers a pixel{}; choose another view", causes(facts))
         };
-        Some(format!("{which}. Quality figures of empty images are those of identical images"))
+        let quality = if self.is_compared { ". Quality figures of empty images are those of identical images" } else { "" };
+        Some(which + quality)
     }
 }
 
@@ -107,6 +111,16 @@ mod tests {
         assert_eq!(warnings(&[[5, 0], [0, 0], [0, 0]], false), [some]);
         assert!(warnings(&[[0, 0], [0, 0]], false)[0].starts_with("all 2 images are empty: "));
         assert_eq!(warnings(&[[1, 0]], false), [""; 0]);
+    }
+
+    #[test]
+    fn image_without_reference_has_no_quality() {
+        let mut checks = PictureChecks::default();
+        checks.add(0, &image(0, 0), None);
+        let [warning] = &checks.warnings(&UnitStats::default(), RenderOptions::default().into(), true)[..] else {
+            panic!("one warning is expected")
+        };
+        assert_eq!(warning, "the image is empty: no triangle covers a pixel; choose another view");
     }
 
     #[test]
