@@ -193,7 +193,10 @@ fn named_table_without_rows_is_a_note() {
         assert_eq!(err.matches(&note).count(), 1, "{table}: {err}");
     }
     let err = notes("--no-bottlenecks --tables costs,bottlenecks");
-    assert!(err.contains("note: this run has no table `bottlenecks`; --bottlenecks makes it, unless a warning says why not\n"), "{err}");
+    assert!(
+        err.contains("note: this run has no table `bottlenecks`; --bottlenecks makes it, unless a warning says why not\n"),
+        "{err}"
+    );
     assert!(err.contains("note: this run has no table `costs`; a run with --costs has it\n"), "{err}");
     assert!(!notes("--no-bottlenecks --tables all").contains("note:"));
 }

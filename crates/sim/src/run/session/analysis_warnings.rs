@@ -5,6 +5,7 @@ use crate::analysis::resimulations::MOST_STEPS;
 use crate::machine::SimulatedMachine;
 use crate::options::AnalysisPolicy;
 use basrelief_kernel::RunReport;
+use basrelief_report::number::thousands;
 
 impl ActiveRun<'_> {
     /// Warns if there are no bottlenecks although the user asked for them or the run is short.
@@ -31,8 +32,10 @@ pub(super) fn no_path(run: &RunReport) -> Option<String> {
     let steps: u64 = run.units.iter().map(|unit| unit.steps).sum();
     (steps > MOST_STEPS as u64).then(|| {
         format!(
-            "the critical path and the bottleneck ladder are left out, because the run has {steps} steps, more than {MOST_STEPS}; a \
-             group of resources that saves cycles only together is not found (draw fewer frames or a smaller image)"
+            "the critical path and the bottleneck ladder are left out, because the run has {} steps, more than {}; a group of resources \
+             that saves cycles only together is not found (draw fewer frames or a smaller image)",
+            thousands(steps),
+            thousands(MOST_STEPS as u64)
         )
     })
 }
@@ -52,6 +55,6 @@ mod tests {
             RunReport { outcome, total: steps, marks, units, fifos, memories, caches }
         };
         assert_eq!(no_path(&steps(MOST_STEPS as u64 / 2)), None);
-        assert!(no_path(&steps(MOST_STEPS as u64 / 2 + 1)).is_some_and(|text| text.contains("2800002 steps")));
+        assert!(no_path(&steps(MOST_STEPS as u64 / 2 + 1)).is_some_and(|text| text.contains("2,800,002 steps")));
     }
 }
