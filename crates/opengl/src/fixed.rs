@@ -2,6 +2,7 @@
 
 use crate::calls::POSITION;
 use crate::dump::GlDump;
+use crate::mapping::MapKey;
 use crate::matrix::matrix;
 use crate::reader::DrawReader;
 use crate::state::{Parameters, is_on};
@@ -144,16 +145,22 @@ pub(crate) fn material(reader: &mut DrawReader<'_>) -> FixedMaterial {
     diffuse *= light.map_or(DVec3::ZERO, |light| color(Some(light), "GL_DIFFUSE", full));
     let specular =
         color(surface, "GL_SPECULAR", [0.0; 4]) * light.map_or(DVec3::ZERO, |light| color(Some(light), "GL_SPECULAR", full));
-    let shininess = surface.and_then(|surface| surface.get("GL_SHININESS")).and_then(Value::as_f64).unwrap_or_default();
     let (base, kd) = if diffuse == DVec3::ZERO { (ambient, 0.0) } else { (diffuse, 1.0) };
     let base = base.min(DVec3::ONE);
     let lighting = Lighting {
         ka: share(reader, "ambient", ambient, base),
         kd,
         ks: share(reader, "specular", specular, base),
-        n: shininess.clamp(1.0, 1000.0) as f32,
+        n: exponent(reader, surface, specular),
     };
     FixedMaterial { base_color: base.to_array(), lighting }
+}
+
+/// Returns the specular exponent. Without highlights it has no effect, so it is no warning.
+fn exponent(reader: &mut DrawReader<'_>, surface: Option<&Value>, specular: DVec3) -> f32 {
+    let shininess = surface.and_then(|surface| surface.get("GL_SHININESS")).and_then(Value::as_f64).unwrap_or_default();
+    let key = MapKey::Shininess;
+    (if specular == DVec3::ZERO { key.clamped(shininess) } else { reader.clamped(key, shininess) }) as f32
 }
 
 /// Returns the coefficient of the base colour that is nearest to a colour.

@@ -94,6 +94,15 @@ impl<'a> DrawReader<'a> {
         Ok(self.guessed(key, guess, Value::as_f64))
     }
 
+    /// Returns the number of the application within the range of a key. Warns if it is another number.
+    pub fn clamped(&mut self, key: MapKey, number: f64) -> f64 {
+        let clamped = key.clamped(number);
+        if clamped != number {
+            self.warn(format!("{key} = {number} is drawn as {clamped}"));
+        }
+        clamped
+    }
+
     fn guessed<T>(&mut self, key: MapKey, guess: &dyn Fn(&str) -> bool, read: fn(&Value) -> Option<T>) -> Option<T> {
         let uniforms = &self.dump.uniforms;
         let mut found = uniforms.iter().filter(|(name, _)| guess(&name.to_ascii_lowercase()));

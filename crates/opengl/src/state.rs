@@ -45,17 +45,25 @@ pub(crate) fn is_on(value: &Value) -> bool {
     matches!(value.as_str(), Some("GL_TRUE" | "GL_ONE")) || value.as_u64() == Some(1) || value.as_bool() == Some(true)
 }
 
-/// Parameters without effect on coverage that change colours: drawn without them, with a warning.
-const IGNORED: [(&str, &str); 11] = [
+/// Switches of state that the devices do not have: drawn without it, with a warning.
+const IGNORED: [(&str, &str); 19] = [
     ("GL_BLEND", "blending"),
     ("GL_ALPHA_TEST", "the alpha test"),
     ("GL_STENCIL_TEST", "the stencil test"),
     ("GL_FOG", "fog"),
+    ("GL_DEPTH_CLAMP", "the depth clamp"),
     ("GL_POLYGON_OFFSET_FILL", "the polygon offset"),
     ("GL_COLOR_LOGIC_OP", "the logical operation"),
     ("GL_FRAMEBUFFER_SRGB", "the sRGB conversion of the frame buffer"),
     ("GL_SAMPLE_BUFFERS", "multisampling"),
     ("GL_CLIP_DISTANCE0", "user clipping"),
+    ("GL_CLIP_DISTANCE1", "user clipping"),
+    ("GL_CLIP_DISTANCE2", "user clipping"),
+    ("GL_CLIP_DISTANCE3", "user clipping"),
+    ("GL_CLIP_DISTANCE4", "user clipping"),
+    ("GL_CLIP_DISTANCE5", "user clipping"),
+    ("GL_CLIP_DISTANCE6", "user clipping"),
+    ("GL_CLIP_DISTANCE7", "user clipping"),
     ("GL_LIGHT_MODEL_LOCAL_VIEWER", "the local viewer"),
     ("GL_LIGHT_MODEL_TWO_SIDE", "two-sided lighting"),
 ];
@@ -83,11 +91,15 @@ pub(crate) fn draw_state(dump: &GlDump) -> Result<(DrawState, Vec<String>), Scen
     check_scissor(&parameters, viewport)?;
     let culls = parameters.flag("GL_CULL_FACE");
     let mode = parameters.word("GL_CULL_FACE_MODE", "GL_BACK");
-    if culls && mode == "GL_FRONT_AND_BACK" {
-        return Err(refused("GL_CULL_FACE_MODE", "culls all faces", "GL_BACK or GL_FRONT"));
+    if culls && !matches!(mode, "GL_BACK" | "GL_FRONT") {
+        let what = if mode == "GL_FRONT_AND_BACK" { "culls all faces".into() } else { format!("is {mode}") };
+        return Err(refused("GL_CULL_FACE_MODE", what, "GL_BACK or GL_FRONT"));
     }
-    let clockwise = parameters.word("GL_FRONT_FACE", "GL_CCW") == "GL_CW";
-    let reversed = clockwise != (culls && mode == "GL_FRONT");
+    let front = parameters.word("GL_FRONT_FACE", "GL_CCW");
+    if !matches!(front, "GL_CCW" | "GL_CW") {
+        return Err(refused("GL_FRONT_FACE", format!("is {front}"), "GL_CCW or GL_CW"));
+    }
+    let reversed = (front == "GL_CW") != (culls && mode == "GL_FRONT");
     let warned = IGNORED.into_iter().filter(|(name, _)| parameters.flag(name));
     let mut warnings: Vec<String> = warned.map(|(name, what)| format!("{what} ({name}) is left out")).collect();
     if color_mask(&parameters) != [true; 3] {
@@ -196,6 +208,7 @@ mod tests {
             ("GL_DEPTH_WRITEMASK", "\"GL_FALSE\""),
             ("GL_DEPTH_RANGE", "[1, 0]"),
             ("GL_CLIP_ORIGIN", "\"GL_UPPER_LEFT\""),
+            ("GL_FRONT_FACE", "\"GL_CWW\""),
             ("GL_POLYGON_MODE", "[\"GL_FILL\", \"GL_LINE\"]"),
             ("GL_RASTERIZER_DISCARD", "\"GL_TRUE\""),
             ("GL_VIEWPORT", "[0, 0, 8]"),
@@ -211,11 +224,18 @@ mod tests {
         let scissor = r#", "GL_SCISSOR_TEST": "GL_TRUE", "GL_SCISSOR_BOX": [1, 0, 8, 6]"#;
         assert!(state(scissor).unwrap_err().starts_with("/parameters/GL_SCISSOR_BOX"));
         assert!(state(&scissor.replace("[1,", "[0,")).is_ok());
+        for mode in ["GL_FRONT_AND_BACK", "GL_SIDE"] {
+            let culls = format!(r#", "GL_CULL_FACE": "GL_TRUE", "GL_CULL_FACE_MODE": "{mode}""#);
+            assert!(state(&culls).unwrap_err().starts_with("/parameters/GL_CULL_FACE_MODE"));
+        }
     }
 
     #[test]
-    fn blending_is_a_warning() {
-        assert_eq!(state(r#", "GL_BLEND": "GL_TRUE""#).unwrap().1, ["blending (GL_BLEND) is left out"]);
+    fn state_that_is_left_out_is_a_warning() {
+        let warnings = |name: &str| state(&format!(r#", "{name}": "GL_TRUE""#)).unwrap().1;
+        assert_eq!(warnings("GL_BLEND"), ["blending (GL_BLEND) is left out"]);
+        assert_eq!(warnings("GL_DEPTH_CLAMP"), ["the depth clamp (GL_DEPTH_CLAMP) is left out"]);
+        assert_eq!(warnings("GL_CLIP_DISTANCE7"), ["user clipping (GL_CLIP_DISTANCE7) is left out"]);
     }
 
     #[test]

@@ -203,6 +203,7 @@ fn record<'a>(reader: &mut DrawReader<'a>, name: &str) -> Result<Option<TextureR
     };
     let state = dump.parameters.0.get(&format!("GL_TEXTURE{unit}")).and_then(|unit| unit.get("GL_TEXTURE_2D"));
     let word = |field: &str| state.and_then(|state| state.get(field)).and_then(Value::as_str).unwrap_or_default();
+    warn_of_state(reader, name, record, state);
     let mut wrap = [0; 2];
     for (mode, field) in wrap.iter_mut().zip(["GL_TEXTURE_WRAP_S", "GL_TEXTURE_WRAP_T"]) {
         *mode = match word(field) {
@@ -227,6 +228,24 @@ fn record<'a>(reader: &mut DrawReader<'a>, name: &str) -> Result<Option<TextureR
     Ok(Some((format!("/textures/{key}"), record, GlSampler { mag_filter, min_filter, wrap })))
 }
 
+/// Warns of the state of a texture that the devices do not have.
+fn warn_of_state(reader: &mut DrawReader<'_>, name: &str, record: &ImageRecord, state: Option<&Value>) {
+    let field = |field: &str| state.and_then(|state| state.get(field));
+    for (channel, usual) in [("R", "GL_RED"), ("G", "GL_GREEN"), ("B", "GL_BLUE"), ("A", "GL_ALPHA")] {
+        let swizzle = format!("GL_TEXTURE_SWIZZLE_{channel}");
+        if let Some(other) = field(&swizzle).and_then(Value::as_str).filter(|other| *other != usual) {
+            reader.warn(format!("texture `{name}`: {swizzle} = {other} is left out"));
+        }
+    }
+    if let Some(level) = field("GL_TEXTURE_BASE_LEVEL").and_then(Value::as_f64).filter(|level| *level != 0.0) {
+        reader.warn(format!("texture `{name}`: GL_TEXTURE_BASE_LEVEL = {level} is left out: drawn from level 0"));
+    }
+    let internal = field("GL_TEXTURE_INTERNAL_FORMAT").and_then(Value::as_str).unwrap_or_default();
+    if let Some(format) = [&*record.format, internal].iter().find(|format| format.contains("SRGB")) {
+        reader.warn(format!("texture `{name}`: {format} is drawn without the conversion from sRGB to linear colours"));
+    }
+}
+
 /// Returns the base colour: three numbers, a uniform, or the usual colour.
 fn base_color(reader: &mut DrawReader<'_>, usual: [f64; 3]) -> Result<[f64; 3], SceneError> {
     let guess = |name: &str| {
@@ -234,13 +253,17 @@ fn base_color(reader: &mut DrawReader<'_>, usual: [f64; 3]) -> Result<[f64; 3], 
         is_color && !["light", "spec", "ambient", "clear", "fog"].iter().any(|word| name.contains(word))
     };
     let color = reader.vector(MapKey::BaseColor, &guess)?.unwrap_or(usual);
-    Ok(color.map(|channel| MapKey::BaseColor.clamped(channel)))
+    let clamped = color.map(|channel| MapKey::BaseColor.clamped(channel));
+    if clamped != color {
+        reader.warn(format!("{} = {color:?} is drawn as {clamped:?}", MapKey::BaseColor));
+    }
+    Ok(clamped)
 }
 
 fn lighting(reader: &mut DrawReader<'_>, usual: Lighting) -> Result<Lighting, SceneError> {
     let mut coefficient = |key: MapKey, word: &'static str, usual: f32| {
         let given = reader.number(key, &|name| name.contains(word) && !name.contains("color"))?;
-        Ok::<_, SceneError>(given.map_or(usual, |value| key.clamped(value) as f32))
+        Ok::<_, SceneError>(given.map_or(usual, |value| reader.clamped(key, value) as f32))
     };
     Ok(Lighting {
         ka: coefficient(MapKey::Ambient, "ambient", usual.ka)?,

@@ -200,6 +200,31 @@ fn texture_of_depths_is_never_a_guess() {
 }
 
 #[test]
+fn texture_state_that_devices_lack_is_a_warning() {
+    let state = |field: &str, value: Value| {
+        let change = |dump: &mut Value| dump["parameters"]["GL_TEXTURE0"]["GL_TEXTURE_2D"][field] = value;
+        changed(FILES[1], "", change).unwrap().warnings
+    };
+    let warning = |text: &str| [format!("call 466: texture `albedo`: {text}")];
+    assert_eq!(state("GL_TEXTURE_SWIZZLE_R", json!("GL_BLUE")), warning("GL_TEXTURE_SWIZZLE_R = GL_BLUE is left out"));
+    assert_eq!(state("GL_TEXTURE_BASE_LEVEL", json!(2)), warning("GL_TEXTURE_BASE_LEVEL = 2 is left out: drawn from level 0"));
+    assert_eq!(
+        state("GL_TEXTURE_INTERNAL_FORMAT", json!("GL_SRGB8")),
+        warning("GL_SRGB8 is drawn without the conversion from sRGB to linear colours")
+    );
+}
+
+#[test]
+fn uniform_out_of_range_is_a_warning_with_both_values() {
+    let uniform = |name: &str, value: Value| changed(FILES[1], "", |dump| dump["uniforms"][name] = value).unwrap().warnings;
+    assert_eq!(uniform("shininess", json!(5000)), ["call 466: shininess = 5000 is drawn as 1000"]);
+    assert_eq!(uniform("shininess", json!(0)), ["call 466: shininess = 0 is drawn as 1"]);
+    assert_eq!(uniform("ambient", json!(2.0)), ["call 466: ambient = 2 is drawn as 1"]);
+    assert_eq!(uniform("base_color", json!([2, 1, 1])), ["call 466: base-color = [2.0, 1.0, 1.0] is drawn as [1.0, 1.0, 1.0]"]);
+    assert_eq!(uniform("shininess", json!(24)), [""; 0]);
+}
+
+#[test]
 fn call_without_colors_is_left_out() {
     let mut prepass = dump(FILES[0]);
     prepass["parameters"]["GL_COLOR_WRITEMASK"] = json!(["GL_FALSE", "GL_FALSE", "GL_FALSE", "GL_TRUE"]);
