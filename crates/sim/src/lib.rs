@@ -52,6 +52,7 @@ pub use run::bare::{BareMachine, bare_machine};
 pub use run::display_list::{display_list, input_sha256, trace_header};
 pub use run::memory_estimates::reserve_textures;
 pub use run::result::{RunError, RunResult};
+pub use run::untimed::ideal_parts;
 pub use run::{run, timeline_layout};
 
 /// A trace of one grey quad, for the example above.

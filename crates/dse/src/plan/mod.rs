@@ -9,6 +9,7 @@ mod points;
 mod schema;
 mod trial;
 mod views;
+mod warnings;
 mod written;
 
 pub use axes::Axis;
@@ -217,21 +218,6 @@ impl Plan {
         self.machine.explain(error, machine_field)
     }
 
-    /// Returns warnings of figures that a reader of the plan may take for others: those of the last image, although there are several.
-    pub fn warnings(&self) -> Vec<String> {
-        if self.inputs.iter().all(|input| input.frames() <= 1) {
-            return vec![];
-        }
-        let objectives = self.objectives.iter().map(|objective| ("objectives", &objective.column));
-        let constraints = self.constraints.iter().map(|constraint| ("constraints", &constraint.column));
-        let worst_of = |column: &str| OF_LAST_IMAGE.iter().find(|(last, _)| *last == column).map(|(_, worst)| *worst);
-        let warn = |(list, column): (&str, &String)| {
-            let worst = worst_of(column)?;
-            Some(format!("{list}: `{column}` is that of the last image; `{worst}` is that of the worst image"))
-        };
-        objectives.chain(constraints).filter_map(warn).collect()
-    }
-
     /// Replaces figures by their paths and checks that each exists. Without a trial run nothing is checked.
     fn check_figures(&mut self, known: Option<&[ReportFigure]>) -> Result<(), TomlFault> {
         let frames = self.inputs.iter().map(PlanInput::frames).min().unwrap_or(1);
@@ -254,10 +240,6 @@ impl Plan {
         }
     }
 }
-
-/// Figures of the last image, each with that of the worst image.
-const OF_LAST_IMAGE: [(&str, &str); 3] =
-    [("quality.psnr_db", "quality.min.psnr_db"), ("quality.ssim", "quality.min.ssim"), ("quality.flip", "quality.max.flip")];
 
 /// Cure for parameters of another machine.
 fn machine_field(name: &str) -> String {

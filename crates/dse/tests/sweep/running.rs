@@ -256,6 +256,20 @@ fn plan_warns_of_figures_of_the_last_image() {
 }
 
 #[test]
+fn plan_warns_of_the_area_of_ideal_parts() {
+    let warnings = |objective: &str, axes: &str| {
+        let text =
+            format!("input = \"demo:quad\"\nmachine = \"bump\"\nobjectives = [\"cycles min\", \"{objective} min\"]\n{axes}");
+        plan(&text, &Program::new()).warnings()
+    };
+    let ideal = "axes.ideal.units = [\"\", \"replacement\"]\naxes.fifo.indexes.depth = [2, 4, 8]\n";
+    let warning = "objectives: `hardware.area_ge` has no meaning for 3 of 6 points, because no hardware is ideal: ideal.units";
+    assert_eq!(warnings("hardware.area_ge", ideal), [warning]);
+    assert_eq!(warnings("bytes.moved", ideal), [""; 0]);
+    assert_eq!(warnings("hardware.area_ge", "axes.fifo.indexes.depth = [2, 4]\n"), [""; 0]);
+}
+
+#[test]
 fn a_second_plan_finds_the_points_of_the_first() {
     let folder = tempdir().unwrap();
     sweep(PLAN, folder.path(), 2);

@@ -71,12 +71,16 @@ fn underruns(run: &RunReport) -> Option<String> {
     ))
 }
 
-/// Warns if parts of the machine are ideal, because no hardware is.
-fn no_area(config: &Value) -> Option<String> {
+/// Returns the parameters that make parts of a machine ideal, from the parameters of its configuration.
+pub fn ideal_parts(config: &Value) -> Vec<String> {
     let memories = config["memory"].as_object().into_iter().flatten().filter(|(_, memory)| memory["part"] == "ideal");
     let units = config["ideal"]["units"].as_str().is_some_and(|units| !units.is_empty());
-    let ideal: Vec<String> =
-        memories.map(|(name, _)| format!("memory.{name}.part")).chain(units.then(|| "ideal.units".into())).collect();
+    memories.map(|(name, _)| format!("memory.{name}.part")).chain(units.then(|| "ideal.units".into())).collect()
+}
+
+/// Warns if parts of the machine are ideal, because no hardware is.
+fn no_area(config: &Value) -> Option<String> {
+    let ideal = ideal_parts(config);
     (!ideal.is_empty()).then(|| format!("the area has no meaning, because no hardware is ideal: {}", ideal.join(", ")))
 }
 
