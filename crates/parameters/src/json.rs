@@ -57,9 +57,13 @@ pub struct ReportConfig {
     pub text: String,
 }
 
+/// Schemas of reports whose configuration is read.
+const SCHEMAS: [&str; 2] = ["basrelief-report/2", "basrelief-report/3"];
+
 /// Fields of a report that tell it from an object of parameters.
 #[derive(Deserialize)]
 struct ReportHead {
+    schema: Option<String>,
     machine: Option<String>,
     config: Option<IgnoredAny>,
 }
@@ -78,6 +82,11 @@ impl ReportConfig {
         let error = |message: &str| ConfigError::Type { key: "config".into(), message: message.into() };
         let machine =
             head.machine.ok_or_else(|| error("stands here without `machine`; expected a report.json, or parameters"))?;
+        if let Some(schema) = head.schema.filter(|schema| !SCHEMAS.contains(&schema.as_str())) {
+            let message =
+                format!("is `{schema}`, expected `{}`; make the report again with this version", SCHEMAS.join("` or `"));
+            return Err(ConfigError::Type { key: "schema".into(), message });
+        }
         let start = range.start + text[range.clone()].find('{').ok_or_else(|| error("expected an object of parameters"))?;
         let blank = |c: char| if c == '\n' { c } else { ' ' };
         let text = text[..start].chars().map(blank).chain(text[start..range.end].chars()).collect();
@@ -134,6 +143,9 @@ mod tests {
         let error = |text| ReportConfig::of(text).unwrap_err().to_string();
         assert!(error(r#"{"config": {}}"#).contains("`config`: stands here without `machine`"));
         assert!(error(r#"{"machine": "bump", "config": 3}"#).contains("`config`: expected an object of parameters"));
+        let unknown = error(r#"{"schema": "basrelief-report/9", "machine": "bump", "config": {}}"#);
+        assert!(unknown.contains("`schema`: is `basrelief-report/9`, expected `basrelief-report/2` or"), "{unknown}");
+        assert!(ReportConfig::of(r#"{"schema": "basrelief-report/3", "machine": "bump", "config": {}}"#).is_ok());
         assert!(error(r#"{"config": {"#).contains("not valid JSON: line 1, column "));
     }
 }

@@ -107,7 +107,10 @@ fn value_text(value: &Value) -> String {
 fn wrong_type_of(table: &[Parameter], key: String, value: String, message: &str) -> ConfigError {
     match table.iter().find(|p| p.key == key && !p.range.is_empty()) {
         Some(known) => {
-            let expected = allowed(&known.range, known.unit);
+            // Only a whole number refuses a fraction by its type.
+            let is_fraction = value.parse::<f64>().is_ok() && value.contains(['.', 'e']);
+            let whole = if is_fraction { "a whole number " } else { "" };
+            let expected = format!("{whole}{}", allowed(&known.range, known.unit));
             RangeError { key, value, expected }.into()
         }
         None => ConfigError::Type { key, message: plain_message(message, TextFormat::Toml) },
@@ -226,6 +229,8 @@ mod tests {
         says("[serch]\nlanes = 1", &[], "did you mean `search.lanes`");
         says("", &[("search.lanes", "0")], "`search.lanes` is 0, expected 1..=4096");
         says("", &[("search.lanes", "many")], "expected 1..=4096 inner products/cycle");
+        says("", &[("search.lanes", "1.5")], "`search.lanes` is 1.5, expected a whole number 1..=4096 inner products/cycle");
+        says("search.lanes = 1e2", &[], "`search.lanes` is 100.0, expected a whole number 1..=4096 inner products/cycle");
         says("[search", &[], "not valid TOML");
         says("\"search.lanes\" = 3", &[], "`search.lanes`: has quotes around dots");
         says("search.pipelined = 3", &[], "`search.pipelined`: the number 3 stands here, expected true or false");
