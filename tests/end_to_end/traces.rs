@@ -182,7 +182,9 @@ fn bad_trace_does_not_stop_verification() {
     assert!(outcome.out.contains("FAILED  ./a.bdl") && outcome.out.contains("ok      ./z.bdl"), "{}", outcome.out);
     fs::remove_file(place.path("a.bdl")).expect("removed");
     place.ok("record PATCH --size 48x36 --out plain.bdl");
-    assert!(place.run("verify plain.bdl").out.contains("has no expectations"));
+    let plain = place.run("verify plain.bdl");
+    assert!(plain.out.contains("has no expectations"), "{}", plain.out);
+    assert!(plain.err.contains("1 of 1 traces: no expectations"), "{}", plain.err);
     place.run("verify -").error(2);
     place.run("verify missing.bdl").error(1);
 }

@@ -9,7 +9,7 @@ use crate::input::{self, Input};
 use crate::scene_input::demo_of;
 use crate::terminal;
 use basrelief_input::MemoryPool;
-use basrelief_report::number::{real, thousands};
+use basrelief_report::number::thousands;
 use basrelief_sim::{
     AnalysisPolicy, DepthChoice, FifoSizing, KeptRecording, MachineConfig, NoObserver, Overrides, RecordingError, RunOptions,
     is_model, run_named, size_fifos as sized,
@@ -110,7 +110,7 @@ fn text(sizes: &FifoSizing) -> String {
     let mut text = format!("{}: smallest FIFOs found that keep the render cycles\n\n", sizes.machine);
     let Some((recorded, found)) = sizes.choices.split_first() else { return text };
     for choice in &sizes.choices {
-        let within = choice.within_percent.map_or("as recorded".into(), |percent| format!("within {} %", real(percent)));
+        let within = choice.within_percent.map_or("as recorded".into(), |percent| format!("within {percent} %"));
         let fewer = slots_saved(choice, recorded);
         let cycles: Vec<String> = choice.cycles.iter().map(|cycles| thousands(*cycles)).collect();
         let (slots, bits, area) = (thousands(choice.slots), thousands(choice.bits), thousands(choice.area_ge));
@@ -120,7 +120,7 @@ fn text(sizes: &FifoSizing) -> String {
     for choice in found {
         let changed = choice.depths.iter().zip(&recorded.depths).filter(|(new, old)| new.1 != old.1);
         let sets: Vec<String> = changed.map(|((name, depth), _)| format!("--set fifo.{name}.depth={depth}")).collect();
-        let _ = write!(text, "\nwithin {} %: {}\n", real(choice.within_percent.unwrap_or_default()), sets.join(" "));
+        let _ = write!(text, "\nwithin {} %: {}\n", choice.within_percent.unwrap_or_default(), sets.join(" "));
         text += &shown_least(choice);
     }
     text
@@ -131,6 +131,9 @@ fn shown_least(choice: &DepthChoice) -> String {
     let both = choice.depths.iter().zip(&choice.least_alone).filter(|(together, alone)| together.1 > alone.1);
     let listed: Vec<String> = both.map(|((name, together), (_, alone))| format!("{name} {together} ({alone})")).collect();
     let more = if listed.is_empty() { String::new() } else { format!(" More slots together than alone: {}.", listed.join(", ")) };
+    if choice.depths.iter().all(|(_, depth)| *depth == 1) {
+        return "Each FIFO has one slot, the least.\n".into();
+    }
     format!("One slot less in any FIFO exceeds the tolerance.{more}\n")
 }
 

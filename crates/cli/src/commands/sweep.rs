@@ -54,10 +54,12 @@ fn finish_sweep(
         if !others.is_empty() {
             let others = others.join(", ");
             return Err(CommandError::BadInput(format!(
-                "these points differ when run again; please report this as a bug: {others}"
+                "the reports of these points differ when the points run again: {others}; if the reports were edited, delete their folders \
+                 and sweep again, else please report this as a bug"
             )));
         }
-        let _ = writeln!(said, "{count} points repeated: reports are identical");
+        let points = if count == 1 { "point" } else { "points" };
+        let _ = writeln!(said, "{count} {points} repeated: reports are identical");
     }
     if !args.point.is_empty() {
         return Ok(said);

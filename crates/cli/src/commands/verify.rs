@@ -31,14 +31,14 @@ pub fn verify(args: &VerifyArgs, global: &GlobalOptions) -> CommandResult {
         interrupt::set_message("interrupted; each trace has either new expectations or its old ones");
     }
     let engines = args.engine.map_or(vec![Engine::Timed, Engine::Ticked], |e| vec![e.into()]);
-    let (mut wrong, mut failures) = (0, Vec::new());
+    let (mut wrong, mut bare, mut failures) = (0, 0, Vec::new());
     for trace in &traces {
         let result =
             if args.bless { bless(trace, &global.budget).map(|()| vec![]) } else { check(trace, &engines, &global.budget) };
         let (verdict, why) = match result {
             Ok(why) if why.is_empty() => (if args.bless { "blessed" } else { "ok" }, why),
             Ok(why) => {
-                wrong += 1;
+                *(if why == [NO_EXPECTATIONS] { &mut bare } else { &mut wrong }) += 1;
                 ("FAILED", why)
             }
             Err(failure) => {
@@ -51,17 +51,21 @@ pub fn verify(args: &VerifyArgs, global: &GlobalOptions) -> CommandResult {
             why.iter().try_for_each(|w| print(&format!("        {w}\n")))?;
         }
     }
-    report_failures(wrong, failures, traces.len())
+    report_failures([wrong, bare], failures, traces.len())
 }
 
-/// Reports failures. New expectations help only for traces that run.
-fn report_failures(wrong: usize, failures: Vec<String>, of: usize) -> CommandResult {
+/// Reason of a trace without expectations.
+const NO_EXPECTATIONS: &str = "has no expectations; `basrelief record --expect` or `basrelief verify --bless` adds them";
+
+/// Reports failures: traces that differ, and traces without expectations. New expectations help only for traces that run.
+fn report_failures([wrong, bare]: [usize; 2], failures: Vec<String>, of: usize) -> CommandResult {
     let wrong = (wrong > 0).then(|| {
         format!("{wrong} of {of} traces differ from their expectations; after review, `basrelief verify --bless` updates them")
     });
+    let bare = (bare > 0).then(|| format!("{bare} of {of} traces: no expectations; `basrelief verify --bless` adds them"));
     let failed = failures.len();
     let failed = (failed > 0).then(|| format!("{failed} of {of} traces cannot be read, run or written"));
-    let sentences: Vec<String> = failures.into_iter().chain(wrong).chain(failed).collect();
+    let sentences: Vec<String> = failures.into_iter().chain(wrong).chain(bare).chain(failed).collect();
     if sentences.is_empty() { Ok(()) } else { Err(CommandError::BadInput(sentences.join("\n"))) }
 }
 
@@ -145,7 +149,7 @@ fn replay(path: &Path, expectation: &PlacedExpectation, engine: Engine, budget: 
 fn check(path: &Path, engines: &[Engine], budget: &MemoryPool) -> CommandResult<Vec<String>> {
     let (expectations, _held) = read_expectations(path, budget)?;
     if expectations.is_empty() {
-        return Ok(vec!["has no expectations; `basrelief record --expect` or `basrelief verify --bless` adds them".into()]);
+        return Ok(vec![NO_EXPECTATIONS.into()]);
     }
     let mut wrong = Vec::new();
     for expected in &expectations {
