@@ -5,6 +5,9 @@ use basrelief_kernel::HardwareKind;
 use indexmap::IndexMap;
 use std::collections::BTreeSet;
 
+/// Begin of the warning of a machine with ideal parts. The parts follow.
+pub const NO_AREA: &str = "the area has no meaning";
+
 /// Area of a unit, FIFO, cache or memory port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct PlaceArea<'a> {

@@ -40,7 +40,7 @@ pub mod text;
 pub mod work;
 
 pub use ablation::Ablation;
-pub use area::depth_warnings;
+pub use area::{NO_AREA, depth_warnings};
 pub use build::ReportContext;
 pub use compare::{CauseShare, Comparison, MeasuredCauses, compare};
 pub use csv::{no_formula, to_csv};

@@ -2,6 +2,7 @@
 
 use super::comparison::{CauseShare, MeasuredCauses, WORK};
 use super::time::Clocks;
+use crate::area::NO_AREA;
 use crate::model::Report;
 use crate::number::{change_in_words, real, signed, thousands};
 
@@ -42,6 +43,10 @@ pub(super) fn explain(a: &Report, b: &Report, equal: bool, explained: Option<&Me
         (None, None) => "Both runs are functional: they have no timing.".into(),
         _ => "One run is functional: there are no cycles to compare.".into(),
     });
+    sentences.extend([("A", a), ("B", b)].into_iter().filter_map(|(name, report)| {
+        let parts = report.warnings.iter().find_map(|warning| warning.strip_prefix(NO_AREA))?;
+        Some(format!("The area of {name} has no meaning{parts}."))
+    }));
     sentences.join(" ")
 }
 

@@ -169,6 +169,16 @@ mod tests {
     }
 
     #[test]
+    fn area_of_ideal_hardware_keeps_its_caveat() {
+        let (a, b) = samples::before_and_after();
+        assert!(!compare(&a, &b, None).explanation.contains("area"));
+        let warning = "the area has no meaning, because no hardware is ideal: ideal.units";
+        let b = Report { warnings: vec![warning.into()], ..b };
+        let said = compare(&a, &b, None).explanation;
+        assert!(said.ends_with(" The area of B has no meaning, because no hardware is ideal: ideal.units."), "{said}");
+    }
+
+    #[test]
     fn other_or_unknown_input_is_reported() {
         let a = samples::balanced();
         let mut b = a.clone();

@@ -6,7 +6,7 @@ use basrelief_machines::{MachineSpec, PictureRecord, RunSummary, UnitStats, draw
 use basrelief_parameters::to_json;
 use basrelief_report::model::{Hardware, Input, Picture, PictureQuality, Size};
 use basrelief_report::number::thousands;
-use basrelief_report::{Report, ReportContext, depth_warnings};
+use basrelief_report::{NO_AREA, Report, ReportContext, depth_warnings};
 use basrelief_signals::Camera;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -81,7 +81,7 @@ pub fn ideal_parts(config: &Value) -> Vec<String> {
 /// Warns if parts of the machine are ideal, because no hardware is.
 fn no_area(config: &Value) -> Option<String> {
     let ideal = ideal_parts(config);
-    (!ideal.is_empty()).then(|| format!("the area has no meaning, because no hardware is ideal: {}", ideal.join(", ")))
+    (!ideal.is_empty()).then(|| format!("{NO_AREA}, because no hardware is ideal: {}", ideal.join(", ")))
 }
 
 /// Warns if a unit that shall be ideal belongs to another kind of input.
