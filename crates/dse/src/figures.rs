@@ -91,8 +91,13 @@ pub fn figure_of(report: &Value, name: &str) -> Result<Cell, String> {
 
 /// Returns the message for an unknown figure.
 pub(crate) fn no_figure(name: &str, known: &[ReportFigure]) -> String {
-    let near = nearest(name, SHORT_NAMES.into_iter().chain(known.iter().map(|figure| figure.name.as_str())));
-    let hint = near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+    let sum = format!("{name}.sum");
+    let hint = if known.iter().any(|figure| figure.name == sum) {
+        format!(": it is a list; name its sum, `{sum}`")
+    } else {
+        let near = nearest(name, SHORT_NAMES.into_iter().chain(known.iter().map(|figure| figure.name.as_str())));
+        near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"))
+    };
     format!("the report has no figure `{name}`{hint} (docs/guide/sweep-and-explore.md says how they are named)")
 }
 
@@ -265,6 +270,11 @@ mod tests {
         );
         assert_eq!(figure_of(&report, "cycles"), Ok(Cell::Whole(7)));
         assert_eq!(figure_of(&report, "hardware.area_ge"), Ok(Cell::Whole(90)));
+        let list = figure_of(&report, "figures.waits").unwrap_err();
+        assert!(
+            list.starts_with("the report has no figure `figures.waits`: it is a list; name its sum, `figures.waits.sum`"),
+            "{list}"
+        );
         let meant = |name: &str| figure_of(&report, name).unwrap_err().split('`').nth(3).map(str::to_owned);
         assert_eq!(meant("hardware.aera_ge").as_deref(), Some("hardware.area_ge"));
         assert_eq!(meant("cycels").as_deref(), Some("cycles"));

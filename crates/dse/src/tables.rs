@@ -160,12 +160,28 @@ fn front_heading(table: &Table, points: usize, ties: usize) -> String {
     let keep = if kept.is_empty() { String::new() } else { format!(" that keep {}", kept.join(", ")) };
     let are = if points == 1 { "is" } else { "are" };
     let among = if input_column(table).is_some() { ", each among the points of its input" } else { "" };
-    let mut text = format!("{}\n{points} of {of} points{keep} {are} Pareto-optimal{among}\n", table.title);
+    let counts = match (of, keep.as_str()) {
+        (0, "") => "No point has a report, so none is Pareto-optimal".into(),
+        (0, _) => format!("No point keeps {}, so none is Pareto-optimal", kept.join(", ")),
+        _ => format!("{points} of {of} points{keep} {are} Pareto-optimal{among}"),
+    };
+    let mut text = format!("{}\n{counts}\n", table.title) + &missing_values(table);
     if ties > 0 {
         let _ =
             writeln!(text, "Ties: {ties}. A row with `=` equals the point above it in every objective and has no smaller area.");
     }
     text
+}
+
+/// Returns a line for each objective that points of a front lack.
+fn missing_values(table: &Table) -> String {
+    let lacking = |(column, _): (usize, ObjectiveDirection)| {
+        let lacks = |row: &&Row| table.feasible(row) && row.cells[column].number().is_none();
+        let count = table.rows.iter().filter(lacks).count();
+        let (have, are) = if count == 1 { ("point has", "it is") } else { ("points have", "they are") };
+        (count > 0).then(|| format!("{count} {have} no `{}`, so {are} on no front\n", table.columns[column].name))
+    };
+    table.objectives().filter_map(lacking).collect()
 }
 
 /// The columns of a front in text: objectives, then axes, or what a point changes if there are many axes.
@@ -242,6 +258,27 @@ fn aligned(lines: &[Vec<String>]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn front_without_points_states_the_reason() {
+        let column = |name: &str| Column {
+            name: name.into(),
+            unit: String::new(),
+            role: ColumnRole::Objective(ObjectiveDirection::Min),
+            what: String::new(),
+        };
+        let row = |cell| Row { id: "a".into(), state: PointState::Ok, cells: vec![Cell::Whole(7), cell], picture: None };
+        let mut table = Table { columns: vec![column("cycles"), column("rate")], title: "T".into(), ..Table::default() };
+        assert_eq!(front_text(&table), "T\nNo point has a report, so none is Pareto-optimal\n");
+        table.rows = vec![row(Cell::Missing), row(Cell::Whole(1)), row(Cell::Missing)];
+        let text = front_text(&table);
+        assert!(
+            text.starts_with("T\n1 of 3 points is Pareto-optimal\n2 points have no `rate`, so they are on no front\n"),
+            "{text}"
+        );
+        table.constraints = vec!["cycles < 5".parse().unwrap()];
+        assert_eq!(front_text(&table), "T\nNo point keeps cycles < 5, so none is Pareto-optimal\n");
+    }
 
     #[test]
     fn many_axes_are_named_where_they_change() {

@@ -6,14 +6,21 @@ use crate::number::round6;
 use crate::work::{WorkCount, circuits, routes, work};
 use indexmap::IndexMap;
 
+/// Derived figures, and those that are left out because their divisor is 0 or unknown, with their formulas.
 #[derive(Default)]
-struct DerivedFigures(IndexMap<String, Derived>);
+struct DerivedFigures {
+    defined: IndexMap<String, Derived>,
+    undefined: Vec<(String, String)>,
+}
 
 impl DerivedFigures {
     fn ratio(&mut self, name: impl Into<String>, above: f64, below: f64, unit: &str, formula: impl Into<String>) {
         let value = above / below;
+        let (name, formula) = (name.into(), formula.into());
         if value.is_finite() {
-            self.0.insert(name.into(), Derived { value: round6(value), unit: unit.into(), formula: formula.into() });
+            self.defined.insert(name, Derived { value: round6(value), unit: unit.into(), formula });
+        } else {
+            self.undefined.push((name, formula));
         }
     }
 }
@@ -38,8 +45,17 @@ impl RenderFormulas {
 
 /// Returns all figures derived from a timed report; empty for a functional report.
 pub fn derive(report: &Report) -> IndexMap<String, Derived> {
+    all_figures(report).defined
+}
+
+/// Returns the names of the figures that a timed report leaves out because their divisor is 0 or unknown, each with its formula.
+pub fn undefined_figures(report: &Report) -> Vec<(String, String)> {
+    all_figures(report).undefined
+}
+
+fn all_figures(report: &Report) -> DerivedFigures {
     let mut figures = DerivedFigures::default();
-    let Some(cycles) = &report.cycles else { return figures.0 };
+    let Some(cycles) = &report.cycles else { return figures };
     let total = cycles.total as f64;
     let hz = report.clock_hz().unwrap_or(0.0);
     let work = work(report);
@@ -87,7 +103,7 @@ pub fn derive(report: &Report) -> IndexMap<String, Derived> {
         let formula = format!("units.{name}.busy / {of}");
         figures.ratio(format!("{name}.utilization"), u.busy as f64, base as f64, "1", formula);
     }
-    figures.0
+    figures
 }
 
 /// `drawn` is the formula of the render cycles.
@@ -156,6 +172,17 @@ mod tests {
         assert_eq!(derived["graphics.bytes_per_fragment"].value, 19.2);
         assert_eq!(derived["graphics.gb_per_s"].value, 0.768);
         assert_eq!(derived["graphics.bus_utilization"].value, 0.24);
+    }
+
+    #[test]
+    fn figure_without_divisor_is_undefined() {
+        let mut report = samples::balanced();
+        let caches = report.caches.as_mut().unwrap();
+        let name = caches.keys().next().unwrap().clone();
+        (caches[&name].hits, caches[&name].look_ups) = (0, 0);
+        let undefined = undefined_figures(&report);
+        let formula = format!("caches.{name}.hits / caches.{name}.lookups");
+        assert!(undefined.contains(&(format!("{name}.hit_rate"), formula)), "{undefined:?}");
     }
 
     #[test]

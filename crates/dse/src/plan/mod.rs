@@ -17,12 +17,13 @@ pub use definition::{Plan, PlanInput, PlanPoint};
 pub use schema::plan_schema;
 pub(crate) use trial::run_options;
 
-use crate::figures::{ReportFigure, first_frame, no_figure, path_of};
+use crate::figures::{first_frame, path_of};
 use crate::{OpenedInput, SweepError, SweepHost};
 use basrelief_parameters::{ConfigError, FieldPositions, TomlFault};
 use basrelief_sim::{ConfigLoader, MachineInfo, Overrides, RunOptions, input_sha256};
 use exclusion::Exclusion;
 use std::collections::BTreeSet;
+use trial::TrialFigures;
 use views::{PlanView, open_seen};
 use written::{BaseConfig, PlanFile, SampleMethod, SampleOptions, fault_in};
 
@@ -66,7 +67,7 @@ impl Plan {
         let at_line = |fault: TomlFault| SweepError(fault.at_line(text));
         let mut plan = Self::parse(text, host).map_err(at_line)?;
         let known = trial::run_small(&plan, host);
-        plan.check_figures(known.as_deref()).map_err(at_line)?;
+        plan.check_figures(known.as_ref()).map_err(at_line)?;
         Ok(plan)
     }
 
@@ -219,18 +220,17 @@ impl Plan {
     }
 
     /// Replaces figures by their paths and checks that each exists. Without a trial run nothing is checked.
-    fn check_figures(&mut self, known: Option<&[ReportFigure]>) -> Result<(), TomlFault> {
+    fn check_figures(&mut self, trial: Option<&TrialFigures>) -> Result<(), TomlFault> {
         let frames = self.inputs.iter().map(PlanInput::frames).min().unwrap_or(1);
         let objectives = self.objectives.iter_mut().map(|objective| &mut objective.column).enumerate();
         let constraints = self.constraints.iter_mut().map(|constraint| &mut constraint.column).enumerate();
         let columns = objectives.map(|of| ("objectives", of)).chain(constraints.map(|of| ("constraints", of)));
         for (list, (number, column)) in columns {
             *column = path_of(column);
-            let Some(known) = known else { continue };
-            let is_known = |name: &str| known.iter().any(|figure| figure.name == name);
-            let of_frame = first_frame(column).is_some_and(|(first, frame)| is_known(&first) && frame < frames);
-            if !of_frame && !is_known(column) {
-                return Err(fault_in(list, number, no_figure(column, known)));
+            let Some(trial) = trial else { continue };
+            let of_frame = first_frame(column).is_some_and(|(first, frame)| trial.has(&first) && frame < frames);
+            if !of_frame && !trial.has(column) {
+                return Err(fault_in(list, number, trial.missing(column)));
             }
         }
         let mut seen = BTreeSet::new();

@@ -228,6 +228,11 @@ fn plan_head_errors_name_the_field() {
             "objectives: the report has no figure `cycle`; did you mean",
         ),
         (
+            "input = \"demo:ellipsoid@1\"\nmachine = \"bump\"\nobjectives = [\"derived.normal_map.hit_rate max\"]",
+            "objectives: a trial run of demo:ellipsoid@1 has no figure `derived.normal_map.hit_rate`: the divisor of its formula, \
+             caches.normal_map.hits / caches.normal_map.lookups, is 0 or unknown",
+        ),
+        (
             "input = \"demo:ellipsoid@1\"\nobjectives = [\"cycles min\", \"cycles.frames max\"]",
             "objectives: `cycles.frames` is named twice",
         ),

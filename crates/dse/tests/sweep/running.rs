@@ -258,8 +258,9 @@ fn plan_warns_of_figures_of_the_last_image() {
 #[test]
 fn plan_warns_of_the_area_of_ideal_parts() {
     let warnings = |objective: &str, axes: &str| {
-        let text =
-            format!("input = \"demo:quad\"\nmachine = \"bump\"\nobjectives = [\"cycles min\", \"{objective} min\"]\n{axes}");
+        let text = format!(
+            "input = \"demo:ellipsoid@1\"\nmachine = \"bump\"\nobjectives = [\"cycles min\", \"{objective} min\"]\n{axes}"
+        );
         plan(&text, &Program::new()).warnings()
     };
     let ideal = "axes.ideal.units = [\"\", \"replacement\"]\naxes.fifo.indexes.depth = [2, 4, 8]\n";
