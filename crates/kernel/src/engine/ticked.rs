@@ -149,8 +149,8 @@ pub(super) fn run<M: Machine>(
         let released = time.stages.iter().map(|clock| clock.block.until).filter(|until| until.is_known()).max();
         record_awaits(time);
         time.fifos.iter_mut().for_each(|fifo| fifo.count_held(tick.now));
-        let horizon = busy.max(visible).max(released).unwrap_or_default().max(time.last_mark()).max(time.memories.last_answer());
-        if !tick.fired && horizon <= tick.now && time.memories.is_idle() {
+        let horizon = busy.max(visible).max(released).unwrap_or_default().max(time.memories.last_answer());
+        if !tick.fired && horizon <= tick.now && time.memories.is_idle() && time.last_mark() <= tick.now {
             return StopReason::Quiet;
         }
         tick.now = tick.now + 1;
