@@ -46,7 +46,7 @@ fn run_both(unit: Marker, tokens: u32, gaps: &[u64]) -> RunReport {
     timed
 }
 
-// Claim: laws, 11 Marks: A mark is passed at delivery. Caches stay warm between marks.
+// Claim: laws, 11 Marks: A mark is passed at delivery, and a run lasts until its last mark. Caches stay warm between marks.
 #[test]
 fn mark_is_passed_at_delivery() {
     // Steps at 1 .. 7, each delivered 2 later. Marked tokens 2 and 5: at 3 and 6, delivered 5 and 8. Token 6: at 7,
@@ -55,7 +55,7 @@ fn mark_is_passed_at_delivery() {
     assert_eq!((report.marks.as_slice(), report.total), ([5, 3].as_slice(), 11));
 }
 
-// Claim: laws, 11 Marks: A run lasts until its last mark.
+// Claim: as mark_is_passed_at_delivery.
 #[test]
 fn run_lasts_until_its_last_mark() {
     // Nothing follows the delivery of the last step: token 2, at 3, with a latency of 50.
