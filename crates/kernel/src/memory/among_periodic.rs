@@ -244,3 +244,24 @@ impl Memory {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{Cycle, MemoryConfig, MemorySystem, PeriodicReads, Request};
+
+    #[test]
+    fn data_before_a_late_request_are_not_kept() {
+        let mut system = MemorySystem::default();
+        let config = MemoryConfig::default();
+        let memory = system.add_memory("m", &config);
+        let unit = system.add_client("u", memory, 4);
+        // Each read crosses from one row to the next, so its bursts are served one by one.
+        let base = u64::from(config.row_bytes) * u64::from(config.channels) - 32;
+        system.add_periodic_client("v", memory, PeriodicReads { period: 200, bytes: 64, base, stride: 0, span: 1 });
+        system.issue(unit, Cycle(1_000_000), &Request { client: 0, write: false, address: 0, bytes: 32 });
+        system.serve_before(Cycle(2_000_000));
+        let memory = &system.memories()[memory];
+        assert_eq!(memory.arrived, 0);
+        assert!(memory.late_data.capacity() < 100, "{} of 5,000 reads", memory.late_data.capacity());
+    }
+}
