@@ -313,7 +313,7 @@ fn full_disk_names_file() {
 fn unreadable_trace_is_not_blessed() {
     let place = Place::new();
     place.ok("record PATCH --out t.jsonl");
-    assert!(place.run("verify t.jsonl").error(1).contains("`basrelief verify --bless` updates them"));
+    assert!(place.run("verify t.jsonl").error(1).contains("`basrelief verify --bless` adds them"));
     let missing = place.run("verify missing");
     assert!(!missing.error(1).contains("--bless"), "{}", missing.err);
 }
