@@ -1,6 +1,6 @@
 //! Effects of functions other than `main` on the variables of a vertex program.
 
-use super::{has_step, is_name, is_position, variable};
+use super::words::{has_step, is_name, is_position, variable};
 use std::collections::BTreeSet;
 
 /// Effects of the code outside `main`.

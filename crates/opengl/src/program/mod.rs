@@ -6,12 +6,14 @@ mod elsewhere;
 mod source;
 #[cfg(test)]
 mod tests;
+mod words;
 
 use crate::calls::POSITION;
 use elsewhere::Elsewhere;
 use source::ProgramSource;
 use std::collections::BTreeMap;
 use std::ops::Range;
+use words::{has_step, is_name, is_position, variable};
 
 /// A product of matrices, leftmost first, with the position of a vertex if it has one.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -78,19 +80,6 @@ pub(crate) fn samplers(source: &str) -> Vec<String> {
     names.filter(|name| is_name(name)).collect()
 }
 
-fn is_name(token: &str) -> bool {
-    token.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
-}
-
-/// Returns the variable of a token such as `name.x`.
-fn variable(token: &str) -> &str {
-    token.split('.').next().unwrap_or(token)
-}
-
-fn is_position(token: &str) -> bool {
-    variable(token) == "gl_Position"
-}
-
 /// Returns the tokens between the braces of `main`. A declaration of `main` has none.
 fn body_of_main(tokens: &[&str]) -> Option<Range<usize>> {
     let head = |start: &usize| matches!(tokens[*start..], ["main", "(", ")", "{", ..] | ["main", "(", "void", ")", "{", ..]);
@@ -102,11 +91,6 @@ fn body_of_main(tokens: &[&str]) -> Option<Range<usize>> {
         depth == 0
     })?;
     Some(open + 1..open + close)
-}
-
-/// Returns true if words increment or decrement a variable.
-fn has_step(words: &[&str]) -> bool {
-    words.windows(2).any(|pair| matches!(pair, ["+", "+"] | ["-", "-"]))
 }
 
 struct ProgramReader<'a> {

@@ -1,5 +1,7 @@
 //! Text of a program without comments and preprocessor lines.
 
+use super::words::variable;
+
 /// First words of declarations that change no position, so they may be conditional.
 const DECLARATIONS: [&str; 6] = ["precision", "attribute", "varying", "uniform", "in", "out"];
 
@@ -59,7 +61,7 @@ impl ProgramSource {
         if let Some(condition) = &self.condition {
             return Err(format!("has code under `{condition}`"));
         }
-        let is_used = |name: &&String| body.iter().any(|token| super::variable(token) == name.as_str());
+        let is_used = |name: &&String| body.iter().any(|token| variable(token) == name.as_str());
         self.macros.iter().find(is_used).map_or(Ok(()), |name| Err(format!("uses the macro `{name}` in `main`")))
     }
 }

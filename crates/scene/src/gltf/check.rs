@@ -1,7 +1,7 @@
 //! Checks of a document before its data are read: version, extensions, references.
 
 use super::json::{GltfDocument, GltfInteger, GltfNode, GltfPrimitive, MaterialDef, TextureInfo};
-use super::parse::escape;
+use super::pointer::escape;
 use crate::SceneError;
 use crate::error::ImportWarnings;
 use crate::files::shorten;

@@ -3,7 +3,7 @@
 use super::accessor::AccessorReader;
 use super::json::{GltfInteger, GltfPrimitive, TextureTransform};
 use super::semantic::AttributeSemantic;
-use super::skin::VertexMatrices;
+use super::vertex_matrices::VertexMatrices;
 use crate::SceneError;
 use crate::error::ImportWarnings;
 use crate::normals;

@@ -15,12 +15,14 @@ mod material;
 mod nodes;
 mod other;
 pub(crate) mod parse;
+mod pointer;
 mod scene;
 mod semantic;
 mod skin;
 #[cfg(test)]
 mod tests;
 mod unknown;
+mod vertex_matrices;
 
 use crate::SceneError;
 use crate::camera::rows;

@@ -2,11 +2,12 @@
 
 use super::json::GltfDocument;
 use super::other::other_format;
+use super::pointer::pointer;
 use super::unknown::warning_of;
 use crate::SceneError;
 use crate::error::ImportWarnings;
 use crate::outside::ImportContext;
-use basrelief_input::{JsonFault, JsonPath, JsonStep, MemoryReservation, json_weight};
+use basrelief_input::{JsonFault, JsonPath, MemoryReservation, json_weight};
 
 /// Parses the JSON of a glTF file, with its reservation. Warns of keys that glTF does not define.
 pub(crate) fn parse(
@@ -48,20 +49,6 @@ pub fn json_error(fault: &JsonFault) -> SceneError {
     let at = format!("line {line}, column {column}");
     let place = if pointer.is_empty() { at } else { format!("{pointer} ({at})") };
     SceneError::at(place, message.as_str()).cure("correct it or export the file again")
-}
-
-/// The JSON pointer of a place.
-pub(super) fn pointer(path: &JsonPath) -> String {
-    let step = |step: &JsonStep| match step {
-        JsonStep::Item(item) => format!("/{item}"),
-        JsonStep::Key(key) => format!("/{}", escape(key)),
-    };
-    path.0.iter().map(step).collect()
-}
-
-/// A name as part of a JSON pointer.
-pub(crate) fn escape(name: &str) -> String {
-    name.replace('~', "~0").replace('/', "~1")
 }
 
 #[cfg(test)]

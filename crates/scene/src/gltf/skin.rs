@@ -5,10 +5,10 @@ use super::geometry::PrimitiveReader;
 use super::json::{GltfDocument, GltfInteger, GltfPrimitive};
 use super::nodes;
 use super::semantic::AttributeSemantic;
+use super::vertex_matrices::VertexMatrices;
 use crate::SceneError;
 use crate::error::ImportWarnings;
-use basrelief_signals::Mesh;
-use glam::{DMat3, DMat4, DVec3, DVec4};
+use glam::DMat4;
 
 /// Allowed distance of the sum of a vertex's weights from 1. Three weights of 8 bits are each rounded.
 const SUM_TOLERANCE: f64 = 0.01;
@@ -19,11 +19,6 @@ pub(crate) struct SkinReader<'a> {
     accessors: &'a AccessorReader<'a>,
     /// World matrix of each node; empty if the document has no skin.
     worlds: Vec<DMat4>,
-}
-
-/// Matrix of each vertex of a primitive, from mesh space to the world.
-pub(crate) struct VertexMatrices {
-    matrices: Vec<DMat4>,
 }
 
 impl<'a> SkinReader<'a> {
@@ -137,42 +132,4 @@ fn normalize(matrices: &mut [DMat4], sums: &[f64], place: &str, warnings: &mut I
             *matrix *= 1.0 / sum;
         }
     }
-}
-
-impl VertexMatrices {
-    /// Moves positions, normals and tangents to where the joints take them.
-    pub fn pose(
-        &self,
-        mesh: &mut Mesh,
-        normals: Option<&mut Vec<[f32; 3]>>,
-        tangents: Option<&mut Vec<[f32; 4]>>,
-        place: &str,
-    ) -> Result<(), SceneError> {
-        for (position, matrix) in mesh.positions.iter_mut().zip(&self.matrices) {
-            *position = matrix.transform_point3(DVec3::from_array(position.map(f64::from))).as_vec3().to_array();
-        }
-        if mesh.positions.iter().flatten().any(|c| !c.is_finite()) {
-            return Err(
-                SceneError::at(place, "its skin moves vertices beyond single precision").expected("joints of ordinary size")
-            );
-        }
-        for (normal, matrix) in normals.into_iter().flatten().zip(&self.matrices) {
-            let n = DVec3::from_array(normal.map(f64::from));
-            *normal = (cofactors(matrix) * n).normalize_or_zero().as_vec3().to_array();
-        }
-        for (tangent, matrix) in tangents.into_iter().flatten().zip(&self.matrices) {
-            let [x, y, z, w] = tangent.map(f64::from);
-            let t = matrix.transform_vector3(DVec3::new(x, y, z)).normalize_or_zero();
-            *tangent = DVec4::from((t, w)).as_vec4().to_array();
-        }
-        Ok(())
-    }
-}
-
-/// Takes normals to where a matrix takes surfaces: its inverse transpose up to a factor of positive sign.
-fn cofactors(matrix: &DMat4) -> DMat3 {
-    let linear = DMat3::from_mat4(*matrix);
-    let DMat3 { x_axis: x, y_axis: y, z_axis: z } = linear;
-    let sign = if linear.determinant() < 0.0 { -1.0 } else { 1.0 };
-    DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * sign
 }

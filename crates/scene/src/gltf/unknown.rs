@@ -1,7 +1,7 @@
 //! Keys of a document that glTF 2.0 does not define, such as misspelled ones.
 
 use super::check::{SUPPORTED, unsupported};
-use super::parse::pointer;
+use super::pointer::pointer;
 use basrelief_input::{JsonPath, JsonStep};
 
 /// Properties of glTF 2.0 that the importer does not read. Every object may have the first three.

@@ -16,7 +16,6 @@ use crate::machine::SimulatedMachine;
 use crate::observer::{MemoryRequests, Observer, picture_name};
 use crate::options::{AnalysisPolicy, RunOptions};
 use crate::recording::{self, CHUNK_BYTES, KeptSteps, RecordingSeal, WorkHash};
-use analysis_warnings::no_path;
 use basrelief_input::{MemoryReservation, OverBudget};
 use basrelief_kernel::recording::RecordingChunk;
 use basrelief_kernel::{Machine, Outcome, Probe, RunLimits, RunReport};
@@ -337,8 +336,7 @@ impl<'a> ActiveRun<'a> {
         let mut untimed = self.untimed_result(&info);
         let of_scene = matches!(self.exact, ExactSource::Scene(_));
         untimed.warnings.extend(self.checks.warnings(&facts, spec.exact_style(), of_scene));
-        untimed.warnings.extend(self.no_bottlenecks(spec).map(str::to_owned));
-        untimed.warnings.extend(run.as_ref().filter(|_| bottlenecks.is_some()).and_then(no_path));
+        untimed.warnings.extend(self.analysis_warnings(spec, run.as_ref().filter(|_| bottlenecks.is_some())));
         let complete = run.as_ref().filter(|run| run.outcome == Outcome::Complete);
         let mut recording_is_complete = false;
         if let Some(seal) = self.seal.filter(|_| complete.is_some() && records) {

@@ -8,8 +8,13 @@ use basrelief_kernel::RunReport;
 use basrelief_report::number::thousands;
 
 impl ActiveRun<'_> {
+    /// Returns warnings about analyses that are left out. `analysed`: the run, if its bottlenecks were measured.
+    pub(super) fn analysis_warnings(&self, spec: &impl SimulatedMachine, analysed: Option<&RunReport>) -> Vec<String> {
+        self.no_bottlenecks(spec).map(str::to_owned).into_iter().chain(analysed.and_then(no_path)).collect()
+    }
+
     /// Warns if there are no bottlenecks although the user asked for them or the run is short.
-    pub(super) fn no_bottlenecks(&self, spec: &impl SimulatedMachine) -> Option<&'static str> {
+    fn no_bottlenecks(&self, spec: &impl SimulatedMachine) -> Option<&'static str> {
         if self.lacks_memory {
             return Some(
                 "bottlenecks are not analysed, because the recorded steps exceed --memory-limit; raise it, or use --no-bottlenecks",
@@ -28,7 +33,7 @@ impl ActiveRun<'_> {
 }
 
 /// Warns if a run has too many steps for its critical path, on which the bottleneck ladder builds.
-pub(super) fn no_path(run: &RunReport) -> Option<String> {
+fn no_path(run: &RunReport) -> Option<String> {
     let steps: u64 = run.units.iter().map(|unit| unit.steps).sum();
     (steps > MOST_STEPS as u64).then(|| {
         format!(
