@@ -3,7 +3,7 @@ import { Client } from "./client";
 import { byId } from "./dom";
 import { compiled } from "./load";
 import { Page } from "./page";
-import { problem } from "./problems";
+import { problem, why } from "./problems";
 
 export interface Embedded { wasm(): Promise<ReadableStream<Uint8Array>>; worker(): Worker }
 
@@ -13,7 +13,7 @@ export async function page(embedded: Embedded): Promise<void> {
     await new Page(client).begin();
   } catch (error) {
     byId("answered").textContent = "";
-    problem("input", String(error instanceof Error ? error.message : error));
+    problem("input", why(error));
   }
   byId("loading").hidden = true;
 }

@@ -8,7 +8,7 @@ import type { Dropped } from "./files";
 import { fill, parameters, resets, round } from "./form";
 import { Path } from "./path";
 import { pictures, Stage, type Picture } from "./picture";
-import { problem } from "./problems";
+import { problem, why } from "./problems";
 import type { Catalogue, Explained, Machine, Meanwhile, Run, Sketch, Step, Taken, Told } from "./protocol";
 import { decoded, Questions, type Subject } from "./questions";
 import { Results, type Kept } from "./results";
@@ -21,8 +21,6 @@ const STOPPED = "Stopped. Change any input to continue.";
 
 /** True if the page is a viewer, which draws the scene of its own server. */
 const SERVED = document.documentElement.dataset["from"] !== undefined;
-
-const why = (error: unknown): string => (error instanceof Error ? error.message : String(error));
 
 export class Page implements Handlers, Actions, Subject {
   readonly served = SERVED;
@@ -256,14 +254,14 @@ export class Page implements Handlers, Actions, Subject {
   }
 
   /** Shows an error, and whose image and results are on the page. */
-  failed(why: string): void {
+  failed(reason: string): void {
     const { version } = document.documentElement.dataset;
     const isOld = version !== undefined && version !== String(this.#questions.version);
     const shown = this.#isDraft ? "The command and the results" : "The image, the command and the results";
     byId("answered").textContent = isOld ? `${shown} are those of an earlier view.` : "";
     if (this.#isDraft) this.#stage.rename("a draft of a view that is not complete");
     this.#path.end();
-    problem("run", why);
+    problem("run", reason);
   }
 
   /** Runs another state, for example that of a pinned run. */

@@ -16,3 +16,8 @@ export function problem(kind: (typeof KINDS)[number], text: string | undefined):
 export function dismissed(): void {
   for (const kind of KINDS) problem(kind, undefined);
 }
+
+/** Returns the reason that an error gives. */
+export function why(error: unknown): string {
+  return error instanceof Error ? error.message : String(error);
+}

@@ -4,7 +4,7 @@ import { byId } from "./dom";
 import type { Drafts } from "./drafts";
 import type { Path } from "./path";
 import { pictures, type Picture } from "./picture";
-import { problem } from "./problems";
+import { problem, why } from "./problems";
 import type { Meanwhile, Pixel, Report, Run, Told } from "./protocol";
 import type { Session, Source } from "./session";
 import type { State } from "./state";
@@ -144,7 +144,7 @@ export class Questions {
       this.subject.show(decoded(answer), whole, performance.now() - began, version);
       return true;
     } catch (error) {
-      if (version === this.#version) this.subject.failed(error instanceof Error ? error.message : String(error));
+      if (version === this.#version) this.subject.failed(why(error));
       return false;
     } finally {
       clearTimeout(patience);
