@@ -1,6 +1,7 @@
 //! Scene data that the host sends to the geometry processor.
 
 use serde::{Deserialize, Serialize};
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 /// Mapping of texture coordinates outside 0..1.
@@ -209,6 +210,13 @@ pub struct Object {
     pub bump: Option<bool>,
     /// Settings of the figure shading device.
     pub shading: ShadingSettings,
+}
+
+impl Object {
+    /// Numbers of reference normals that an object may have.
+    pub const ENTRIES: RangeInclusive<u32> = 1..=65_536;
+    /// Levels by which its table and CLUT may be coarser.
+    pub const BIAS: RangeInclusive<u8> = 0..=7;
 }
 
 /// Position of a light.

@@ -2,7 +2,7 @@
 
 use crate::command::*;
 use crate::error::{CommandFault, ErrorKind};
-use basrelief_signals::{MAX_PICTURE_PIXELS, ShadingSettings};
+use basrelief_signals::{MAX_PICTURE_PIXELS, Object, ShadingSettings};
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
@@ -20,7 +20,6 @@ const FARTHEST: f32 = 1.0 + 1.0 / 1024.0;
 const MAX_ARRIVAL: u64 = 100_000_000_000;
 const MAX_OFFSET: u64 = 1 << 40;
 const MAX_LIGHTS: usize = 1024;
-const MAX_ENTRIES: u32 = 65_536;
 /// Accuracy criteria \[pixels\], as those of `texel.error_bound`.
 const CRITERIA: RangeInclusive<f64> = 0.001..=1024.0;
 const SIDES: RangeInclusive<u32> = 1..=MAX_SIDE;
@@ -35,7 +34,7 @@ pub(crate) fn check(command: &TraceCommand) -> Result<(), CommandFault> {
         TraceCommand::Polygon(polygon) => check_polygon(polygon),
         TraceCommand::Expect(expectation) => check_expectation(expectation),
         TraceCommand::Shading(shading) => check_shading(&shading.into()),
-        TraceCommand::Importance(importance) => within("bias", importance.bias, 0..=7),
+        TraceCommand::Importance(importance) => within("bias", importance.bias, Object::BIAS),
         TraceCommand::Criterion(criterion) => within("error_bound", criterion.error_bound, CRITERIA),
         TraceCommand::FrameEnd(_) | TraceCommand::End(_) => Ok(()),
     }
@@ -151,7 +150,7 @@ fn direction<T: PartialEq + Default>(field: &str, vector: &[T; 3]) -> Result<(),
 
 fn check_object(object: &ObjectBegin) -> Result<(), CommandFault> {
     finite("centre", &[object.centre])?;
-    object.entries.map_or(Ok(()), |entries| within("entries", entries, 1..=MAX_ENTRIES))
+    object.entries.map_or(Ok(()), |entries| within("entries", entries, Object::ENTRIES))
 }
 
 fn check_shading(shading: &ShadingSettings) -> Result<(), CommandFault> {

@@ -1,6 +1,6 @@
 //! Extras of this project in a glTF document.
 
-use basrelief_signals::{Lighting, ShadingSettings};
+use basrelief_signals::{Lighting, Object, ShadingSettings};
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, IgnoredAny, MapAccess, Visitor};
 use std::fmt::{Display, Formatter, Result as FmtResult};
@@ -32,12 +32,6 @@ struct OwnExtras {
     lighting: Option<Lighting>,
 }
 
-/// Number of reference normals that an object may have.
-const ENTRIES: RangeInclusive<u32> = 1..=65_536;
-
-/// Levels by which a table may be coarser.
-const BIAS: RangeInclusive<u8> = 0..=7;
-
 impl OwnExtras {
     /// Returns the name and the range of the first number out of range.
     fn fault(&self) -> Option<String> {
@@ -49,8 +43,8 @@ impl OwnExtras {
             let (name, value) = self.shading.out_of_range()?;
             Some(format!("`shading.{name}` is {value}, expected 0..={}", ShadingSettings::MAX_INTENSITY))
         };
-        (outside("entries", self.entries, &ENTRIES))
-            .or_else(|| outside("bias", self.bias, &BIAS))
+        (outside("entries", self.entries, &Object::ENTRIES))
+            .or_else(|| outside("bias", self.bias, &Object::BIAS))
             .or_else(|| self.lighting.and_then(faulty_coefficient).map(str::to_owned))
             .or_else(shading)
     }
