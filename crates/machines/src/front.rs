@@ -59,8 +59,11 @@ type Controls = Box<dyn Iterator<Item = Result<(Control, Option<u64>), String>>>
 /// One type for both kinds of input and for all iterators, because each type would be another machine to compile.
 pub struct FrontEnd(FrontStages);
 
-/// Units in front of every machine: those of scenes, then that of traces.
-pub(crate) const FRONT_UNITS: [&str; 3] = ["host", "geometry", "display-list"];
+/// Units in front of every machine: two of scenes, and one of traces.
+const HOST: &str = "host";
+const GEOMETRY: &str = "geometry";
+const DISPLAY_LIST: &str = "display-list";
+pub(crate) const FRONT_UNITS: [&str; 3] = [HOST, GEOMETRY, DISPLAY_LIST];
 
 enum FrontStages {
     /// Host and geometry processor (102).
@@ -83,8 +86,7 @@ impl FrontEnd {
     /// Creates the front end for the draw commands of a scene: host and geometry processor (102).
     pub fn of_scene(draws: impl Iterator<Item = Draw> + 'static, config: impl Into<FrontConfig>) -> Self {
         let (host, geometry) = (SceneSource::new(Box::new(draws) as Draws), config.into().geometry_processor());
-        let [host_name, geometry_name, _] = FRONT_UNITS;
-        Self(FrontStages::Scene(Stage::new(host_name, host), Box::new(Stage::new(geometry_name, geometry))))
+        Self(FrontStages::Scene(Stage::new(HOST, host), Box::new(Stage::new(GEOMETRY, geometry))))
     }
 
     /// Creates the front end that replays the commands of a trace (display list), each with its arrival.
@@ -95,7 +97,7 @@ impl FrontEnd {
         let FrontConfig { geometry, display_list, taken, .. } = config.into();
         let link = PolygonLink { bytes_per_cycle: geometry.link_bytes, taken };
         let source = DisplayListSource::new(display_list, link, Box::new(controls) as Controls);
-        Self(FrontStages::Trace(Stage::new(FRONT_UNITS[2], source)))
+        Self(FrontStages::Trace(Stage::new(DISPLAY_LIST, source)))
     }
 
     /// Visits the stages, with two FIFOs of the machine: `polygons`, which the front end fills, and `draws`, between host and geometry
