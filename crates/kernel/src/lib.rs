@@ -205,8 +205,8 @@
 //! 8. **End.** The run ends when the next start of every unit is unknown, and never after N idle cycles, because an idle stretch can last
 //!    millions. The run is complete if sources are exhausted, FIFOs are empty and no unit holds tokens. Otherwise it is a deadlock, for which
 //!    both engines print the same text and the exit code is 1. Total = 1 + the last cycle in which a unit was busy, a token became
-//!    visible, or a memory moved data for a unit; at least the end of the last mark (law 11). A periodic client keeps no run alive. Its requests count if they arrive before the
-//!    total, and its bursts count if their column command is before the total.
+//!    visible, or a memory moved data for a unit; at least the end of the last mark (law 11). A periodic client keeps no run alive. Its
+//!    requests count if they arrive before the total, and its bursts count if their column command is before the total.
 //!
 //!    *Enforced by [`run`], returned as [`Outcome`] and [`RunReport::total`]; test `laws/law_8_end`.*
 //! 9. **Accounting.** Each cycle of a unit in 0 .. total-1 has the first cause of this list that applies. *busy*. *memory{port}* for the

@@ -128,12 +128,12 @@ fn text(sizes: &FifoSizing) -> String {
 
 /// States what was shown of a choice: no FIFO has a spare slot, and some need more slots together than alone.
 fn shown_least(choice: &DepthChoice) -> String {
-    let both = choice.depths.iter().zip(&choice.least_alone).filter(|(together, alone)| together.1 > alone.1);
-    let listed: Vec<String> = both.map(|((name, together), (_, alone))| format!("{name} {together} ({alone})")).collect();
-    let more = if listed.is_empty() { String::new() } else { format!(" More slots together than alone: {}.", listed.join(", ")) };
     if choice.depths.iter().all(|(_, depth)| *depth == 1) {
         return "Each FIFO has one slot, the least.\n".into();
     }
+    let both = choice.depths.iter().zip(&choice.least_alone).filter(|(together, alone)| together.1 > alone.1);
+    let listed: Vec<String> = both.map(|((name, together), (_, alone))| format!("{name} {together} ({alone})")).collect();
+    let more = if listed.is_empty() { String::new() } else { format!(" More slots together than alone: {}.", listed.join(", ")) };
     format!("One slot less in any FIFO exceeds the tolerance.{more}\n")
 }
 
