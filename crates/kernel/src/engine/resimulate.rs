@@ -172,6 +172,10 @@ pub struct Recording<'a> {
     room: u64,
 }
 
+/// The steps of one stage of a [`Recording`].
+#[derive(Clone, Debug)]
+pub struct StageRecording(Option<RecordingReader>);
+
 /// Memory of the steps of a critical path, and of FIFOs, for one path after the other. New memory for each path caused most page
 /// faults of bottleneck analysis.
 #[derive(Debug, Default)]
@@ -184,11 +188,23 @@ impl<'a> Recording<'a> {
     /// Reads a whole recording for a machine with this netlist. Its steps stay in memory if they take no more than about `room`
     /// bytes; otherwise each resimulation reads it again.
     pub fn new(chunks: impl Into<Cow<'a, [RecordingChunk]>>, shape: &Netlist, room: u64) -> Self {
-        let room = room / shape.stages.len().max(1) as u64;
-        let mut recording = Self { chunks: chunks.into(), readers: None, room };
-        let is_ours = recording.chunks.iter().all(|chunk| chunk.stages.len() == shape.stages.len());
-        recording.readers =
-            if is_ours { (0..shape.stages.len()).map(|stage| recording.read(stage, shape)).collect() } else { None };
+        Self::read_by(chunks, shape, room, |stages, read| (0..stages).map(read).collect())
+    }
+
+    /// As [`Recording::new`]. `read_all` calls its function for each stage below a number, in parallel or not, and returns the results in
+    /// order.
+    pub fn read_by(
+        chunks: impl Into<Cow<'a, [RecordingChunk]>>,
+        shape: &Netlist,
+        room: u64,
+        read_all: impl FnOnce(usize, &(dyn Fn(usize) -> StageRecording + Sync)) -> Vec<StageRecording>,
+    ) -> Self {
+        let stages = shape.stages.len();
+        let mut recording = Self { chunks: chunks.into(), readers: None, room: room / stages.max(1) as u64 };
+        if recording.chunks.iter().all(|chunk| chunk.stages.len() == stages) {
+            let read = read_all(stages, &|stage| StageRecording(recording.read(stage, shape)));
+            recording.readers = read.into_iter().map(|StageRecording(reader)| reader).collect();
+        }
         recording
     }
 

@@ -70,10 +70,11 @@ impl LadderSearch<'_> {
         Ladder { rungs: rungs.iter().map(|rung| relaxed_set(rung, total)).collect(), half }
     }
 
-    /// Returns the most cycles that one resource saves.
+    /// Returns the most cycles that one resource saves. Begins with the last candidate, because another thread begins with the first: in
+    /// the same order, one of them waited for each result of the other.
     fn best_single(&self, total: u64) -> u64 {
         let saved = |one: &Relaxation| Some(total.saturating_sub(self.resimulations.cycles(&one.set)?));
-        self.candidates.iter().filter_map(saved).max().unwrap_or_default()
+        self.candidates.iter().rev().filter_map(saved).max().unwrap_or_default()
     }
 
     /// Returns the rungs up to the last one that saves cycles.
