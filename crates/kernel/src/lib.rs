@@ -330,7 +330,7 @@ pub use cycle::Cycle;
 pub use diagram::{ClientTopology, Diagram, FifoTopology, MemoryTopology, StageTopology};
 pub use endpoints::{Sink, Source};
 pub use engine::{
-    ChunkSource, Engine, PathMemory, Recording, ResimulateError, RunLimits, StageRecording, StepBatch, critical_path, make_steps, resimulate,
+    ChunkSource, Engine, Recording, ResimulateError, RunLimits, StageRecording, StepBatch, critical_path, make_steps, resimulate,
     resimulate_with, run, run_functional, run_recorded, run_with, time_steps,
 };
 pub use fifo::Fifo;

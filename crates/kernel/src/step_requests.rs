@@ -135,6 +135,15 @@ impl StepRequests {
         self.order.clear();
     }
 
+    /// Makes room for further entries: `further` of their number so far.
+    pub(crate) fn reserve(&mut self, further: impl Fn(usize) -> usize) {
+        self.requests.reserve(further(self.requests.len()));
+        self.look_ups.reserve(further(self.look_ups.len()));
+        self.held.reserve(further(self.held.len()));
+        self.new.reserve(further(self.new.len()));
+        self.order.reserve(further(self.order.len()));
+    }
+
     /// Number of entries.
     pub(crate) fn len(&self) -> usize {
         self.requests.len() + self.look_ups.len() + self.held.len() + self.new.len() + self.order.len()

@@ -23,7 +23,7 @@ pub use batch::StepBatch;
 pub use context::RunLimits;
 use context::{ActiveRecording, unit_states};
 pub use overlapped::{make_steps, time_steps};
-pub use resimulate::{ChunkSource, PathMemory, Recording, ResimulateError, StageRecording, critical_path, resimulate, resimulate_with};
+pub use resimulate::{ChunkSource, Recording, ResimulateError, StageRecording, critical_path, resimulate, resimulate_with};
 use step_source::WireReport;
 
 /// The engine of a run.

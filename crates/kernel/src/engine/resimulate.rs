@@ -14,6 +14,7 @@ use crate::time::{
 use crate::{CriticalPath, Cycle, Demand, MemoryPorts, Outcome, Probe, StageGroups};
 use std::borrow::Cow;
 use std::fmt;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// The reason that a recording cannot be resimulated.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -138,7 +139,9 @@ pub fn resimulate_with<P: Probe>(
     max_cycles: u64,
 ) -> Result<RunReport, ResimulateError> {
     let readers = new_readers(&shape);
-    Ok(timed_again(shape, readers, chunks, probe, ResimulationGoal::Report, advance_stored::<false, P>, max_cycles)?.0)
+    let memory = &mut ResimulationMemory::default();
+    let task = ResimulationTask { goal: ResimulationGoal::Report, max_cycles, memory };
+    Ok(timed_again(shape, readers, chunks, probe, task, advance_stored::<false, P>)?.0)
 }
 
 /// Resimulates a recording and finds its critical path. It keeps about 50 bytes per step and 40 per request. Returns `None` if there are
@@ -153,8 +156,9 @@ pub fn critical_path(
     groups: &[StageGroups],
 ) -> Result<Option<CriticalPath>, ResimulateError> {
     let readers = new_readers(&shape);
-    let goal = ResimulationGoal::Path { most_steps, groups, memory: &mut PathMemory::default() };
-    Ok(timed_again(shape, readers, chunks, &mut NoProbe, goal, advance_stored::<true, NoProbe>, u64::MAX)?.1)
+    let memory = &mut ResimulationMemory::default();
+    let task = ResimulationTask { goal: ResimulationGoal::Path { most_steps, groups }, max_cycles: u64::MAX, memory };
+    Ok(timed_again(shape, readers, chunks, &mut NoProbe, task, advance_stored::<true, NoProbe>)?.1)
 }
 
 fn new_readers(shape: &Netlist) -> Vec<RecordingReader> {
@@ -163,23 +167,24 @@ fn new_readers(shape: &Netlist) -> Vec<RecordingReader> {
 
 /// A recording that is resimulated several times. Its steps are read once, and their look-ups are made once, for the first
 /// machine and all machines with the same caches.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Recording<'a> {
     chunks: Cow<'a, [RecordingChunk]>,
     /// By stage; `None` if the recording is too long or invalid.
     readers: Option<Vec<RecordingReader>>,
     /// Maximum memory for the steps of a stage \[bytes\].
     room: u64,
+    /// Memory of earlier resimulations. New memory for each caused most page faults of bottleneck analysis.
+    spare: Mutex<Vec<ResimulationMemory>>,
 }
 
 /// The steps of one stage of a [`Recording`].
 #[derive(Clone, Debug)]
 pub struct StageRecording(Option<RecordingReader>);
 
-/// Memory of the steps of a critical path, and of FIFOs, for one path after the other. New memory for each path caused most page
-/// faults of bottleneck analysis.
+/// Memory of the steps of a critical path, and of FIFOs, for one resimulation after the other.
 #[derive(Debug, Default)]
-pub struct PathMemory {
+struct ResimulationMemory {
     tracer: PathTracer,
     fifos: Vec<FifoMemory>,
 }
@@ -200,7 +205,7 @@ impl<'a> Recording<'a> {
         read_all: impl FnOnce(usize, &(dyn Fn(usize) -> StageRecording + Sync)) -> Vec<StageRecording>,
     ) -> Self {
         let stages = shape.stages.len();
-        let mut recording = Self { chunks: chunks.into(), readers: None, room: room / stages.max(1) as u64 };
+        let mut recording = Self { chunks: chunks.into(), readers: None, room: room / stages.max(1) as u64, spare: Mutex::default() };
         if recording.chunks.iter().all(|chunk| chunk.stages.len() == stages) {
             let read = read_all(stages, &|stage| StageRecording(recording.read(stage, shape)));
             recording.readers = read.into_iter().map(|StageRecording(reader)| reader).collect();
@@ -240,15 +245,14 @@ impl<'a> Recording<'a> {
         shape: Netlist,
         most_steps: usize,
         groups: &[StageGroups],
-        memory: &mut PathMemory,
     ) -> Result<Option<CriticalPath>, ResimulateError> {
-        Ok(self.timed_again(shape, ResimulationGoal::Path { most_steps, groups, memory })?.1)
+        Ok(self.timed_again(shape, ResimulationGoal::Path { most_steps, groups })?.1)
     }
 
     fn timed_again(
         &self,
         shape: Netlist,
-        wanted: ResimulationGoal<'_>,
+        goal: ResimulationGoal<'_>,
     ) -> Result<(RunReport, Option<CriticalPath>), ResimulateError> {
         let fitting = |(stage, reader): (usize, &RecordingReader)| {
             let fits = reader.fits(&shape.stages[stage], &shape.memories);
@@ -259,12 +263,19 @@ impl<'a> Recording<'a> {
         let mut chunks = self.chunks.iter().map(Cow::Borrowed).skip(if readers.is_some() { self.chunks.len() } else { 0 });
         let readers = readers.unwrap_or_else(|| new_readers(&shape));
         let (chunks, probe) = (&mut |_| Ok(chunks.next()), &mut NoProbe);
-        match wanted {
-            ResimulationGoal::Path { .. } => {
-                timed_again(shape, readers, chunks, probe, wanted, advance_stored::<true, NoProbe>, u64::MAX)
-            }
-            _ => timed_again(shape, readers, chunks, probe, wanted, advance_stored::<false, NoProbe>, u64::MAX),
-        }
+        let mut memory = self.spare().pop().unwrap_or_default();
+        let is_traced = matches!(goal, ResimulationGoal::Path { .. });
+        let task = ResimulationTask { goal, max_cycles: u64::MAX, memory: &mut memory };
+        let timed = match is_traced {
+            true => timed_again(shape, readers, chunks, probe, task, advance_stored::<true, NoProbe>),
+            false => timed_again(shape, readers, chunks, probe, task, advance_stored::<false, NoProbe>),
+        };
+        self.spare().push(memory);
+        timed
+    }
+
+    fn spare(&self) -> MutexGuard<'_, Vec<ResimulationMemory>> {
+        self.spare.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -274,8 +285,16 @@ enum ResimulationGoal<'a> {
     Cycles,
     /// The whole report.
     Report,
-    /// The critical path of so many steps at most, with these groups, in this memory.
-    Path { most_steps: usize, groups: &'a [StageGroups], memory: &'a mut PathMemory },
+    /// The critical path of so many steps at most, with these groups.
+    Path { most_steps: usize, groups: &'a [StageGroups] },
+}
+
+/// A resimulation to do.
+struct ResimulationTask<'a> {
+    goal: ResimulationGoal<'a>,
+    /// No step starts in this cycle or later.
+    max_cycles: u64,
+    memory: &'a mut ResimulationMemory,
 }
 
 /// Returns the report, and the critical path if it is the goal. `advance`: [`advance_stored`].
@@ -284,24 +303,19 @@ fn timed_again<P: Probe>(
     mut readers: Vec<RecordingReader>,
     chunks: &mut ChunkSource<'_, '_>,
     probe: &mut P,
-    mut wanted: ResimulationGoal<'_>,
+    ResimulationTask { goal, max_cycles, memory }: ResimulationTask<'_>,
     advance: impl Fn(&mut RunAhead<'_, P>, usize, &mut RecordingReader),
-    max_cycles: u64,
 ) -> Result<(RunReport, Option<CriticalPath>), ResimulateError> {
-    let fifos = match &mut wanted {
-        ResimulationGoal::Path { memory, .. } => std::mem::take(&mut memory.fifos),
-        _ => Vec::new(),
-    };
-    let mut time = MachineTiming::in_memory(shape, fifos);
+    let mut time = MachineTiming::in_memory(shape, std::mem::take(&mut memory.fifos));
     time.keep_fills(&*probe);
     if readers.iter().any(|reader| reader.demand().is_none()) {
         feed(&mut readers, chunks, &time)?;
     }
-    if !matches!(wanted, ResimulationGoal::Report) {
+    if !matches!(goal, ResimulationGoal::Report) {
         time.account_for_nothing();
     }
-    let path = match &mut wanted {
-        ResimulationGoal::Path { most_steps, memory, .. } => {
+    let path = match &goal {
+        ResimulationGoal::Path { most_steps, .. } => {
             readers.iter_mut().for_each(|reader| reader.keep_steps(true));
             Some(std::mem::take(&mut memory.tracer).begin(&mut time, *most_steps))
         }
@@ -324,11 +338,17 @@ fn timed_again<P: Probe>(
     let unit_states: Vec<FinalUnitState> = readers.iter().map(rest).collect();
     let report = time.finalize(&unit_states, halt, probe);
     time.show_fills(probe, Some(Cycle(report.total)));
-    let (ResimulationGoal::Path { memory, groups, .. }, Some(tracer)) = (wanted, path) else { return Ok((report, None)) };
-    let is_complete = report.outcome == Outcome::Complete;
-    let steps = || readers.iter().map(RecordingReader::kept_steps).collect::<Vec<_>>();
-    let path = if is_complete { tracer.path(&time, &steps(), &report, groups) } else { None };
-    (memory.tracer, memory.fifos) = (tracer.end(&mut time), time.into_fifo_memory());
+    let path = match (goal, path) {
+        (ResimulationGoal::Path { groups, .. }, Some(tracer)) => {
+            let is_complete = report.outcome == Outcome::Complete;
+            let steps = || readers.iter().map(RecordingReader::kept_steps).collect::<Vec<_>>();
+            let path = if is_complete { tracer.path(&time, &steps(), &report, groups) } else { None };
+            memory.tracer = tracer.end(&mut time);
+            path
+        }
+        _ => None,
+    };
+    memory.fifos = time.into_fifo_memory();
     Ok((report, path))
 }
 

@@ -17,6 +17,17 @@ pub(super) struct DecodedSteps {
     pub(super) refused: Option<String>,
 }
 
+impl DecodedSteps {
+    /// Makes room for the steps of `all` bytes, if these are the steps of the first `read` bytes.
+    pub(super) fn reserve_for(&mut self, all: usize, read: usize) {
+        let further = |count: usize| (count as u128 * (all - read) as u128).div_ceil(read.max(1) as u128) as usize;
+        // An eighth more, because later steps may be shorter.
+        let room = |count: usize| further(count + count / 8);
+        self.steps.reserve(room(self.steps.len()));
+        self.asked.reserve(room);
+    }
+}
+
 /// Tags of a stage's caches, and the number of requests that each client has issued.
 #[derive(Clone, Debug)]
 pub(super) struct StageTags {

@@ -1,7 +1,7 @@
 //! Resimulations of one run with relaxed resources. Each is made once, by the thread that needs it first.
 
 use super::relaxations::Settings;
-use basrelief_kernel::{CriticalPath, Netlist, PathMemory, Recording, StageGroups};
+use basrelief_kernel::{CriticalPath, Netlist, Recording, StageGroups};
 use basrelief_threads::lock;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock};
@@ -16,14 +16,12 @@ pub(super) struct Resimulations<'a> {
     netlist: &'a (dyn Fn(&Settings) -> Option<Netlist> + Sync),
     cycles: ResultsBySettings<u64>,
     paths: ResultsBySettings<CriticalPath>,
-    /// Memory of earlier critical paths.
-    spare: Mutex<Vec<PathMemory>>,
 }
 
 impl<'a> Resimulations<'a> {
     pub(super) fn new(recording: Recording<'a>, netlist: &'a (dyn Fn(&Settings) -> Option<Netlist> + Sync)) -> Self {
         let (cycles, paths) = Default::default();
-        Self { recording, netlist, cycles, paths, spare: Mutex::default() }
+        Self { recording, netlist, cycles, paths }
     }
 
     /// Returns the render cycles with these settings; `None` if the run does not finish.
@@ -41,10 +39,7 @@ impl<'a> Resimulations<'a> {
 
     /// As [`Resimulations::path`], on this netlist, with the cycles of groups of steps. The result is not kept.
     pub(super) fn grouped_path(&self, netlist: Netlist, groups: &[StageGroups]) -> Option<CriticalPath> {
-        let mut memory = lock(&self.spare).pop().unwrap_or_default();
-        let path = self.recording.critical_path(netlist, MOST_STEPS, groups, &mut memory);
-        lock(&self.spare).push(memory);
-        path.ok()?
+        self.recording.critical_path(netlist, MOST_STEPS, groups).ok()?
     }
 }
 
