@@ -237,9 +237,7 @@ fn retimed(size: WorkloadSize, how: Retiming) -> Workload {
             let timed = match how {
                 Retiming::WhileRead => resimulate(shape, &mut |_| Ok(chunks.next()), u64::MAX).map(is_complete),
                 Retiming::Again => recording.resimulate(shape).map(is_complete),
-                Retiming::Path => {
-                    recording.critical_path(shape, usize::MAX, &[]).map(|path| path.is_some())
-                }
+                Retiming::Path => recording.critical_path(shape, usize::MAX, &[]).map(|path| path.is_some()),
             };
             assert_eq!(timed, Ok(true), "a recording is complete");
         };

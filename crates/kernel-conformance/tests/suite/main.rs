@@ -3,6 +3,7 @@
 mod common;
 mod contract;
 mod critical_path;
+mod deep_fifos;
 mod hand;
 mod hidden_deliveries;
 mod laws;

@@ -205,7 +205,8 @@ impl<'a> Recording<'a> {
         read_all: impl FnOnce(usize, &(dyn Fn(usize) -> StageRecording + Sync)) -> Vec<StageRecording>,
     ) -> Self {
         let stages = shape.stages.len();
-        let mut recording = Self { chunks: chunks.into(), readers: None, room: room / stages.max(1) as u64, spare: Mutex::default() };
+        let mut recording =
+            Self { chunks: chunks.into(), readers: None, room: room / stages.max(1) as u64, spare: Mutex::default() };
         if recording.chunks.iter().all(|chunk| chunk.stages.len() == stages) {
             let read = read_all(stages, &|stage| StageRecording(recording.read(stage, shape)));
             recording.readers = read.into_iter().map(|StageRecording(reader)| reader).collect();

@@ -48,8 +48,8 @@ const PRODUCER: usize = 1;
 /// Times of one FIFO.
 ///
 /// A ring keeps the times of its last tokens: at least as many as there are slots, so that the start of the next step at either
-/// end is found with one access; and all tokens whose occupancy is not settled. The ring of a deep FIFO begins small, keeps all tokens
-/// so far, and [grows](FifoTiming::grow) until it has its full length.
+/// end is found with one access; and all tokens whose occupancy is not settled. The ring of a deep FIFO begins small, and
+/// [grows](FifoTiming::grow) while it holds too many tokens, until it has its full length.
 ///
 /// Two stages act on a FIFO, and each reads several FIFOs while it changes its own clock. Hence the cells.
 #[derive(Clone, Debug)]
@@ -58,8 +58,8 @@ pub(crate) struct FifoTiming {
     /// True if the ring has no room for the tokens up to the next settlement.
     must_grow: Cell<bool>,
     depth: usize,
-    /// Tokens between the next push and the token whose slot it takes: the depth, or 0 as long as the ring is not full-grown. Fewer
-    /// tokens than slots came by then, and the entry of the next push says that its slot was always free.
+    /// Tokens between the next push and the token whose slot it takes: the depth, or 0 as long as the ring is not full-grown. By then,
+    /// the entry of the next push says that a slot is free before the last push.
     slots_back: usize,
     /// Numbers of the next push, delivery and pop.
     pushed: Cell<usize>,
@@ -298,10 +298,21 @@ impl FifoTiming {
     #[inline(never)]
     fn settle(&self) {
         self.occupancy.borrow_mut().settle(&self.ring, self.pushed.get(), self.popped.get());
-        if self.slots_back == 0 && self.pushed.get() + SWEEP >= self.ring.len() {
+        if self.slots_back == 0 && !self.has_room_for_sweep() {
             self.must_grow.set(true);
             self.room.set(Cycle::UNKNOWN);
         }
+    }
+
+    /// Returns true if the tokens up to the next settlement may take the entries of earlier tokens, or entries that were never used.
+    ///
+    /// Neither must a push up to then wait for a slot. A token may be forgotten if it left its slot by now: its occupancy is settled
+    /// then, and no later push waits for it, because each reserves its own slot later.
+    fn has_room_for_sweep(&self) -> bool {
+        let kept = self.ring.len().min(self.depth);
+        let Some(last) = (self.pushed.get() + SWEEP).checked_sub(kept + 1) else { return true };
+        let now = self.ring.token(self.pushed.get().wrapping_sub(1)).reserved.get();
+        self.ring.token(last).free.get() <= now
     }
 
     /// Returns true if no push is possible until the ring has [grown](FifoTiming::grow). Its producer asks after each visit.
@@ -321,7 +332,7 @@ impl FifoTiming {
     #[cold]
     fn double(&mut self) {
         self.must_grow.set(false);
-        self.ring.double();
+        self.ring.double(self.pushed.get());
         if self.ring.len() == full_ring(self.depth) {
             self.slots_back = self.depth;
         }

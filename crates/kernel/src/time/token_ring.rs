@@ -31,6 +31,18 @@ pub(super) struct TokenRing {
     awaits: Vec<Cell<[Cycle; MAX_CLIENTS]>>,
 }
 
+/// Doubles a ring. Its last tokens, before `pushed`, move to their places in the longer ring.
+fn double<T: Clone>(ring: &mut Vec<T>, pushed: usize, unused: T) {
+    let length = ring.len();
+    ring.resize(2 * length, unused);
+    for number in pushed.saturating_sub(length)..pushed {
+        let to = place(ring, number);
+        if to >= length {
+            ring.swap(to - length, to);
+        }
+    }
+}
+
 /// Place of a token in a ring.
 #[inline(always)]
 fn place<T>(ring: &[T], number: usize) -> usize {
@@ -47,10 +59,10 @@ impl TokenRing {
         memory
     }
 
-    /// Doubles the ring. All tokens must be those from number 0 on.
-    pub(super) fn double(&mut self) {
-        self.tokens.resize(2 * self.tokens.len(), TokenTimes::unused());
-        self.awaits.resize(2 * self.awaits.len(), Cell::default());
+    /// Doubles the ring, and keeps the tokens in it. `pushed`: number of the next token.
+    pub(super) fn double(&mut self, pushed: usize) {
+        double(&mut self.tokens, pushed, TokenTimes::unused());
+        double(&mut self.awaits, pushed, Cell::default());
     }
 
     /// Number of entries.
