@@ -81,15 +81,18 @@ impl LadderSearch<'_> {
     fn rungs(&self, first: &CriticalPath) -> Vec<Rung<'_>> {
         let mut rungs: Vec<Rung<'_>> = vec![];
         let mut path = first.clone();
-        let all = self.everything();
-        let enough = all.map(|cycles| cycles + first.cycles.saturating_sub(cycles) / LITTLE);
-        while rungs.len() < RUNGS && enough.is_none_or(|enough| path.cycles > enough) {
+        let is_enough = |all: Option<u64>, cycles: u64| all.is_some_and(|all| cycles <= all + first.cycles.saturating_sub(all) / LITTLE);
+        while rungs.len() < RUNGS && !is_enough(self.resimulations.known_cycles(&settings(self.relaxations)), path.cycles) {
             let relaxed = last_relaxed(&rungs);
             self.ahead.begin_rung(rungs.len());
             let Some((relaxed, next)) = self.next(&path, &relaxed) else { break };
             rungs.push(Rung { relaxed, cycles: next.cycles, relaxes_all: false });
             path = next;
         }
+        let all = self.resimulations.cycles(&settings(self.relaxations));
+        // Until another thread knew the cycles with everything relaxed, the search may have gone too far.
+        let enough = std::iter::once(first.cycles).chain(rungs.iter().map(|rung| rung.cycles)).position(|cycles| is_enough(all, cycles));
+        rungs.truncate(enough.unwrap_or(RUNGS));
         if let Some(cycles) = all.filter(|_| !rungs.is_empty()) {
             let relaxed = last_relaxed(&rungs);
             let rest = self.not_in(&relaxed).collect();
@@ -99,11 +102,6 @@ impl LadderSearch<'_> {
         let last = rungs.iter().position(|rung| Some(rung.cycles) == least);
         rungs.truncate(last.map_or(0, |last| last + 1));
         rungs
-    }
-
-    /// Returns the cycles with everything relaxed.
-    fn everything(&self) -> Option<u64> {
-        self.resimulations.cycles(&settings(self.relaxations))
     }
 
     /// Relaxes the resource with most of the path and its equals. If that saves little, it tries all FIFOs whose slots the path waits for

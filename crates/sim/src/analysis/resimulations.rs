@@ -24,6 +24,11 @@ impl<'a> Resimulations<'a> {
         Self { recording, netlist, cycles, paths }
     }
 
+    /// Returns the render cycles with these settings, if they are known already.
+    pub(super) fn known_cycles(&self, set: &Settings) -> Option<u64> {
+        self.paths.known(set).map(|path| path.cycles).or_else(|| self.cycles.known(set))
+    }
+
     /// Returns the render cycles with these settings; `None` if the run does not finish.
     pub(super) fn cycles(&self, set: &Settings) -> Option<u64> {
         match self.paths.known(set) {
