@@ -16,7 +16,7 @@ use crate::stopwatch::{UnitTime, unit_times};
 use crate::workload::{RunSample, ThroughputUnit, Workload, WorkloadSize, measured};
 use basrelief_geometry_processor::SceneDraws;
 use basrelief_kernel::recording::RecordingChunk;
-use basrelief_kernel::{Netlist, Outcome, Probe, Recording, RunReport, resimulate};
+use basrelief_kernel::{Netlist, Outcome, Probe, Recording, ResimulationMemory, RunReport, resimulate};
 use basrelief_machines::bump::BumpProcessorConfig;
 use basrelief_machines::defer::DeferConfig;
 use basrelief_machines::shade::ShadeConfig;
@@ -236,8 +236,10 @@ fn retimed(size: WorkloadSize, how: Retiming) -> Workload {
             let is_complete = |report: RunReport| report.outcome == Outcome::Complete;
             let timed = match how {
                 Retiming::WhileRead => resimulate(shape, &mut |_| Ok(chunks.next()), u64::MAX).map(is_complete),
-                Retiming::Again => recording.resimulate(shape).map(is_complete),
-                Retiming::Path => recording.critical_path(shape, usize::MAX, &[]).map(|path| path.is_some()),
+                Retiming::Again => recording.resimulate(shape, &mut ResimulationMemory::default()).map(is_complete),
+                Retiming::Path => {
+                    recording.critical_path(shape, usize::MAX, &[], &mut ResimulationMemory::default()).map(|path| path.is_some())
+                }
             };
             assert_eq!(timed, Ok(true), "a recording is complete");
         };

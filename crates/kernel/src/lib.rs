@@ -330,8 +330,8 @@ pub use cycle::Cycle;
 pub use diagram::{ClientTopology, Diagram, FifoTopology, MemoryTopology, StageTopology};
 pub use endpoints::{Sink, Source};
 pub use engine::{
-    ChunkSource, Engine, Recording, ResimulateError, RunLimits, StageRecording, StepBatch, critical_path, make_steps, resimulate,
-    resimulate_with, run, run_functional, run_recorded, run_with, time_steps,
+    ChunkSource, Engine, Recording, ResimulateError, ResimulationMemory, RunLimits, StageRecording, StepBatch, critical_path,
+    make_steps, resimulate, resimulate_with, run, run_functional, run_recorded, run_with, time_steps,
 };
 pub use fifo::Fifo;
 pub use fifo_info::FifoInfo;

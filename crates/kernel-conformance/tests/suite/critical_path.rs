@@ -3,7 +3,7 @@
 
 use crate::common::random::recipe;
 use crate::common::{PlanBuilder, machine, record_plan, run_both, small_cache, small_memory};
-use basrelief_kernel::{CriticalPath, Netlist, Outcome, PathSegment, Recording, StageGroups, critical_path};
+use basrelief_kernel::{CriticalPath, Netlist, Outcome, PathSegment, Recording, ResimulationMemory, StageGroups, critical_path};
 use basrelief_kernel_conformance::plan::{Plan, PlanLookUp, PlanRequest, UnitKind};
 use proptest::prelude::*;
 use std::borrow::Cow;
@@ -19,7 +19,7 @@ fn path_by(plan: &Plan, most_steps: usize, groups: &[StageGroups]) -> Option<Cri
     let mut chunks = recording.iter().map(Cow::Borrowed);
     let path = critical_path(netlist(), &mut |_| Ok(chunks.next()), most_steps, groups).unwrap();
     let whole = Recording::new(&recording[..], &netlist(), u64::MAX);
-    assert_eq!(path, whole.critical_path(netlist(), most_steps, groups).unwrap());
+    assert_eq!(path, whole.critical_path(netlist(), most_steps, groups, &mut ResimulationMemory::default()).unwrap());
     path
 }
 

@@ -3,7 +3,9 @@
 use crate::common::random::{Recipe, recipe};
 use crate::common::{PlanBuilder, machine, record_plan, run_both, streams};
 use basrelief_kernel::recording::RecordingChunk;
-use basrelief_kernel::{Netlist, Outcome, Recording, ResimulateError, RunReport, make_steps, resimulate, time_steps};
+use basrelief_kernel::{
+    Netlist, Outcome, Recording, ResimulateError, ResimulationMemory, RunReport, make_steps, resimulate, time_steps,
+};
 use basrelief_kernel_conformance::plan::{Plan, UnitKind};
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -62,12 +64,12 @@ proptest! {
         let (plan, _) = recipe.plan();
         let recorded = record_plan(&plan, u64::MAX);
         let shape = |plan: &Plan| Netlist::of(&mut machine(plan)).unwrap();
-        let held = Recording::new(&recorded[..], &shape(&plan), u64::MAX);
+        let (held, mut memory) = (Recording::new(&recorded[..], &shape(&plan), u64::MAX), ResimulationMemory::default());
         for plan in [&plan, &other_times(&plan, &other)] {
             let report = timed_again(&recorded, plan);
             let complete = |report: &RunReport| (report.outcome == Outcome::Complete).then(|| report.marked_cycles());
-            prop_assert_eq!(held.cycles(shape(plan)), report.as_ref().map(complete).map_err(Clone::clone));
-            prop_assert_eq!(held.resimulate(shape(plan)), report);
+            prop_assert_eq!(held.cycles(shape(plan), &mut memory), report.as_ref().map(complete).map_err(Clone::clone));
+            prop_assert_eq!(held.resimulate(shape(plan), &mut memory), report);
         }
     }
 

@@ -10,6 +10,7 @@ mod resimulate;
 mod step_source;
 mod ticked;
 mod timed;
+mod whole_recording;
 
 use crate::check::check_wiring;
 use crate::machine::Machine;
@@ -23,8 +24,9 @@ pub use batch::StepBatch;
 pub use context::RunLimits;
 use context::{ActiveRecording, unit_states};
 pub use overlapped::{make_steps, time_steps};
-pub use resimulate::{ChunkSource, Recording, ResimulateError, StageRecording, critical_path, resimulate, resimulate_with};
+pub use resimulate::{ChunkSource, ResimulateError, ResimulationMemory, critical_path, resimulate, resimulate_with};
 use step_source::WireReport;
+pub use whole_recording::{Recording, StageRecording};
 
 /// The engine of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

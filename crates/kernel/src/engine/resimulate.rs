@@ -14,7 +14,6 @@ use crate::time::{
 use crate::{CriticalPath, Cycle, Demand, MemoryPorts, Outcome, Probe, StageGroups};
 use std::borrow::Cow;
 use std::fmt;
-use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// The reason that a recording cannot be resimulated.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -114,7 +113,11 @@ impl<const TRACED: bool> StepSource for StoredSteps<'_, TRACED> {
 }
 
 /// Advances a stage of a resimulation.
-fn advance_stored<const TRACED: bool, P: Probe>(walk: &mut RunAhead<'_, P>, stage: usize, reader: &mut RecordingReader) {
+pub(super) fn advance_stored<const TRACED: bool, P: Probe>(
+    walk: &mut RunAhead<'_, P>,
+    stage: usize,
+    reader: &mut RecordingReader,
+) {
     advance(walk, stage, &mut StoredSteps::<TRACED>(reader));
 }
 
@@ -161,127 +164,20 @@ pub fn critical_path(
     Ok(timed_again(shape, readers, chunks, &mut NoProbe, task, advance_stored::<true, NoProbe>)?.1)
 }
 
-fn new_readers(shape: &Netlist) -> Vec<RecordingReader> {
+pub(super) fn new_readers(shape: &Netlist) -> Vec<RecordingReader> {
     shape.stages.iter().map(|stage| RecordingReader::new(stage, &shape.memories)).collect()
 }
 
-/// A recording that is resimulated several times. Its steps are read once, and their look-ups are made once, for the first
-/// machine and all machines with the same caches.
-#[derive(Debug)]
-pub struct Recording<'a> {
-    chunks: Cow<'a, [RecordingChunk]>,
-    /// By stage; `None` if the recording is too long or invalid.
-    readers: Option<Vec<RecordingReader>>,
-    /// Maximum memory for the steps of a stage \[bytes\].
-    room: u64,
-    /// Memory of earlier resimulations. New memory for each caused most page faults of bottleneck analysis.
-    spare: Mutex<Vec<ResimulationMemory>>,
-}
-
-/// The steps of one stage of a [`Recording`].
-#[derive(Clone, Debug)]
-pub struct StageRecording(Option<RecordingReader>);
-
-/// Memory of the steps of a critical path, and of FIFOs, for one resimulation after the other.
+/// Memory of the steps of a critical path, and of FIFOs, for one resimulation after the other. New memory for each caused most page faults
+/// of bottleneck analysis.
 #[derive(Debug, Default)]
-struct ResimulationMemory {
+pub struct ResimulationMemory {
     tracer: PathTracer,
     fifos: Vec<FifoMemory>,
 }
 
-impl<'a> Recording<'a> {
-    /// Reads a whole recording for a machine with this netlist. Its steps stay in memory if they take no more than about `room`
-    /// bytes; otherwise each resimulation reads it again.
-    pub fn new(chunks: impl Into<Cow<'a, [RecordingChunk]>>, shape: &Netlist, room: u64) -> Self {
-        Self::read_by(chunks, shape, room, |stages, read| (0..stages).map(read).collect())
-    }
-
-    /// As [`Recording::new`]. `read_all` calls its function for each stage below a number, in parallel or not, and returns the results in
-    /// order.
-    pub fn read_by(
-        chunks: impl Into<Cow<'a, [RecordingChunk]>>,
-        shape: &Netlist,
-        room: u64,
-        read_all: impl FnOnce(usize, &(dyn Fn(usize) -> StageRecording + Sync)) -> Vec<StageRecording>,
-    ) -> Self {
-        let stages = shape.stages.len();
-        let mut recording =
-            Self { chunks: chunks.into(), readers: None, room: room / stages.max(1) as u64, spare: Mutex::default() };
-        if recording.chunks.iter().all(|chunk| chunk.stages.len() == stages) {
-            let read = read_all(stages, &|stage| StageRecording(recording.read(stage, shape)));
-            recording.readers = read.into_iter().map(|StageRecording(reader)| reader).collect();
-        }
-        recording
-    }
-
-    fn read(&self, stage: usize, shape: &Netlist) -> Option<RecordingReader> {
-        let parts = self.chunks.iter().filter_map(|chunk| chunk.stage_part(stage));
-        RecordingReader::of_whole_stream(&shape.stages[stage], &shape.memories, parts, self.room)
-    }
-
-    /// As [`resimulate`].
-    ///
-    /// # Errors
-    /// See [`ResimulateError`].
-    pub fn resimulate(&self, shape: Netlist) -> Result<RunReport, ResimulateError> {
-        Ok(self.timed_again(shape, ResimulationGoal::Report)?.0)
-    }
-
-    /// Returns only the cycles [up to the last mark](RunReport::marked_cycles), with fewer instructions. Returns `None` if the run is not
-    /// complete.
-    ///
-    /// # Errors
-    /// See [`ResimulateError`].
-    pub fn cycles(&self, shape: Netlist) -> Result<Option<u64>, ResimulateError> {
-        let (report, _) = self.timed_again(shape, ResimulationGoal::Cycles)?;
-        Ok((report.outcome == Outcome::Complete).then(|| report.marked_cycles()))
-    }
-
-    /// As [`critical_path`].
-    ///
-    /// # Errors
-    /// See [`ResimulateError`].
-    pub fn critical_path(
-        &self,
-        shape: Netlist,
-        most_steps: usize,
-        groups: &[StageGroups],
-    ) -> Result<Option<CriticalPath>, ResimulateError> {
-        Ok(self.timed_again(shape, ResimulationGoal::Path { most_steps, groups })?.1)
-    }
-
-    fn timed_again(
-        &self,
-        shape: Netlist,
-        goal: ResimulationGoal<'_>,
-    ) -> Result<(RunReport, Option<CriticalPath>), ResimulateError> {
-        let fitting = |(stage, reader): (usize, &RecordingReader)| {
-            let fits = reader.fits(&shape.stages[stage], &shape.memories);
-            if fits { Some(reader.clone()) } else { self.read(stage, &shape) }
-        };
-        let readers = self.readers.as_ref().filter(|readers| readers.len() == shape.stages.len());
-        let readers: Option<Vec<RecordingReader>> = readers.and_then(|readers| readers.iter().enumerate().map(fitting).collect());
-        let mut chunks = self.chunks.iter().map(Cow::Borrowed).skip(if readers.is_some() { self.chunks.len() } else { 0 });
-        let readers = readers.unwrap_or_else(|| new_readers(&shape));
-        let (chunks, probe) = (&mut |_| Ok(chunks.next()), &mut NoProbe);
-        let mut memory = self.spare().pop().unwrap_or_default();
-        let is_traced = matches!(goal, ResimulationGoal::Path { .. });
-        let task = ResimulationTask { goal, max_cycles: u64::MAX, memory: &mut memory };
-        let timed = match is_traced {
-            true => timed_again(shape, readers, chunks, probe, task, advance_stored::<true, NoProbe>),
-            false => timed_again(shape, readers, chunks, probe, task, advance_stored::<false, NoProbe>),
-        };
-        self.spare().push(memory);
-        timed
-    }
-
-    fn spare(&self) -> MutexGuard<'_, Vec<ResimulationMemory>> {
-        self.spare.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
 /// The result that a resimulation computes.
-enum ResimulationGoal<'a> {
+pub(super) enum ResimulationGoal<'a> {
     /// Only the cycles.
     Cycles,
     /// The whole report.
@@ -290,16 +186,37 @@ enum ResimulationGoal<'a> {
     Path { most_steps: usize, groups: &'a [StageGroups] },
 }
 
+impl<'a> ResimulationGoal<'a> {
+    /// Prepares time and readers. Returns the tracer of the critical path, in the memory of an earlier one.
+    fn begin(&self, time: &mut MachineTiming, readers: &mut [RecordingReader], memory: &mut PathTracer) -> Option<PathTracer> {
+        match self {
+            Self::Report => return None,
+            Self::Cycles => time.forget_awaits(),
+            Self::Path { .. } => readers.iter_mut().for_each(|reader| reader.keep_steps(true)),
+        }
+        time.account_for_nothing();
+        let &Self::Path { most_steps, .. } = self else { return None };
+        Some(std::mem::take(memory).begin(time, most_steps))
+    }
+
+    fn groups(&self) -> &'a [StageGroups] {
+        match self {
+            Self::Path { groups, .. } => groups,
+            Self::Report | Self::Cycles => &[],
+        }
+    }
+}
+
 /// A resimulation to do.
-struct ResimulationTask<'a> {
-    goal: ResimulationGoal<'a>,
+pub(super) struct ResimulationTask<'a> {
+    pub(super) goal: ResimulationGoal<'a>,
     /// No step starts in this cycle or later.
-    max_cycles: u64,
-    memory: &'a mut ResimulationMemory,
+    pub(super) max_cycles: u64,
+    pub(super) memory: &'a mut ResimulationMemory,
 }
 
 /// Returns the report, and the critical path if it is the goal. `advance`: [`advance_stored`].
-fn timed_again<P: Probe>(
+pub(super) fn timed_again<P: Probe>(
     shape: Netlist,
     mut readers: Vec<RecordingReader>,
     chunks: &mut ChunkSource<'_, '_>,
@@ -312,20 +229,7 @@ fn timed_again<P: Probe>(
     if readers.iter().any(|reader| reader.demand().is_none()) {
         feed(&mut readers, chunks, &time)?;
     }
-    if !matches!(goal, ResimulationGoal::Report) {
-        time.account_for_nothing();
-    }
-    let path = match &goal {
-        ResimulationGoal::Path { most_steps, .. } => {
-            readers.iter_mut().for_each(|reader| reader.keep_steps(true));
-            Some(std::mem::take(&mut memory.tracer).begin(&mut time, *most_steps))
-        }
-        ResimulationGoal::Report => None,
-        ResimulationGoal::Cycles => {
-            time.forget_awaits();
-            None
-        }
-    };
+    let path = goal.begin(&mut time, &mut readers, &mut memory.tracer);
     let mut walk = RunAhead::new(&mut time, probe, max_cycles, None);
     walk.round.path = path;
     run_stored_steps(&mut walk, &mut readers, advance, after_round, |time, readers| feed(readers, chunks, time))?;
@@ -339,16 +243,13 @@ fn timed_again<P: Probe>(
     let unit_states: Vec<FinalUnitState> = readers.iter().map(rest).collect();
     let report = time.finalize(&unit_states, halt, probe);
     time.show_fills(probe, Some(Cycle(report.total)));
-    let path = match (goal, path) {
-        (ResimulationGoal::Path { groups, .. }, Some(tracer)) => {
-            let is_complete = report.outcome == Outcome::Complete;
-            let steps = || readers.iter().map(RecordingReader::kept_steps).collect::<Vec<_>>();
-            let path = if is_complete { tracer.path(&time, &steps(), &report, groups) } else { None };
-            memory.tracer = tracer.end(&mut time);
-            path
-        }
-        _ => None,
-    };
+    let path = path.and_then(|tracer| {
+        let is_complete = report.outcome == Outcome::Complete;
+        let steps = || readers.iter().map(RecordingReader::kept_steps).collect::<Vec<_>>();
+        let path = if is_complete { tracer.path(&time, &steps(), &report, goal.groups()) } else { None };
+        memory.tracer = tracer.end(&mut time);
+        path
+    });
     memory.fifos = time.into_fifo_memory();
     Ok((report, path))
 }

@@ -7,6 +7,7 @@ mod fifo_timing;
 mod finalize;
 mod in_flight;
 mod input_mask;
+mod kept_tokens;
 mod next_start;
 mod occupancy;
 mod path_cycles;

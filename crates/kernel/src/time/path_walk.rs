@@ -5,7 +5,7 @@
 //! segments with one cause each, for example the phases of a request. If several terms are equal, one is chosen, so the path is
 //! not unique.
 
-use super::fifo_timing::{AnsweredDelivery, KeptTokens};
+use super::kept_tokens::{AnsweredDelivery, KeptTokens};
 use super::path_cycles::{PathCycles, SegmentCause};
 use super::path_tracer::{PathTracer, StartTerm};
 use super::stage_cursor::StageCursor;

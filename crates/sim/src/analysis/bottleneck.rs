@@ -5,7 +5,7 @@ use super::ladder::{Ladder, LadderSearch, settings};
 use super::relaxations::{DISPLAY, Relaxation, RelaxationCandidates, Settings, busiest_unit, with_equals};
 use super::resimulations::Resimulations;
 use crate::options::{Overrides, OverridesLoader};
-use crate::recording::read_stages;
+use crate::recording::SharedRecording;
 use basrelief_kernel::recording::RecordingChunk;
 use basrelief_kernel::{self as kernel, Netlist, PathSegment, RequestPhase, RunReport, StageGroups};
 use basrelief_machines::{InputKind, MachineSpec};
@@ -123,7 +123,7 @@ impl<S: MachineSpec> CompletedRun<'_, S> {
             netlist.same_work(&relaxed).ok()?;
             Some(relaxed)
         };
-        let resimulations = Resimulations::new(read_stages(self.chunks, &netlist, self.room), &relaxed);
+        let resimulations = Resimulations::new(SharedRecording::new(self.chunks, &netlist, self.room), &relaxed);
         let progress = self.resimulate_all(&netlist, &resimulations, &loader);
         let mut timed = progress.single_relaxations(&resimulations, |cycles| self.saves_much(cycles));
         // The sort is stable: ties keep the order of the block diagram.

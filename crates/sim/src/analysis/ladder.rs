@@ -81,7 +81,8 @@ impl LadderSearch<'_> {
     fn rungs(&self, first: &CriticalPath) -> Vec<Rung<'_>> {
         let mut rungs: Vec<Rung<'_>> = vec![];
         let mut path = first.clone();
-        let is_enough = |all: Option<u64>, cycles: u64| all.is_some_and(|all| cycles <= all + first.cycles.saturating_sub(all) / LITTLE);
+        let is_enough =
+            |all: Option<u64>, cycles: u64| all.is_some_and(|all| cycles <= all + first.cycles.saturating_sub(all) / LITTLE);
         while rungs.len() < RUNGS && !is_enough(self.resimulations.known_cycles(&settings(self.relaxations)), path.cycles) {
             let relaxed = last_relaxed(&rungs);
             self.ahead.begin_rung(rungs.len());
@@ -91,7 +92,8 @@ impl LadderSearch<'_> {
         }
         let all = self.resimulations.cycles(&settings(self.relaxations));
         // Until another thread knew the cycles with everything relaxed, the search may have gone too far.
-        let enough = std::iter::once(first.cycles).chain(rungs.iter().map(|rung| rung.cycles)).position(|cycles| is_enough(all, cycles));
+        let enough =
+            std::iter::once(first.cycles).chain(rungs.iter().map(|rung| rung.cycles)).position(|cycles| is_enough(all, cycles));
         rungs.truncate(enough.unwrap_or(RUNGS));
         if let Some(cycles) = all.filter(|_| !rungs.is_empty()) {
             let relaxed = last_relaxed(&rungs);

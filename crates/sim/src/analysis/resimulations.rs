@@ -1,7 +1,8 @@
 //! Resimulations of one run with relaxed resources. Each is made once, by the thread that needs it first.
 
 use super::relaxations::Settings;
-use basrelief_kernel::{CriticalPath, Netlist, Recording, StageGroups};
+use crate::recording::SharedRecording;
+use basrelief_kernel::{CriticalPath, Netlist, StageGroups};
 use basrelief_threads::lock;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock};
@@ -11,7 +12,7 @@ pub(crate) const MOST_STEPS: usize = 2_800_000;
 
 /// The recorded steps of a run, ready for repeated resimulation, and the results so far.
 pub(super) struct Resimulations<'a> {
-    recording: Recording<'a>,
+    recording: SharedRecording<'a>,
     /// Returns the netlist with these settings; `None` if they change the work of the units or do not fit together.
     netlist: &'a (dyn Fn(&Settings) -> Option<Netlist> + Sync),
     cycles: ResultsBySettings<u64>,
@@ -19,7 +20,7 @@ pub(super) struct Resimulations<'a> {
 }
 
 impl<'a> Resimulations<'a> {
-    pub(super) fn new(recording: Recording<'a>, netlist: &'a (dyn Fn(&Settings) -> Option<Netlist> + Sync)) -> Self {
+    pub(super) fn new(recording: SharedRecording<'a>, netlist: &'a (dyn Fn(&Settings) -> Option<Netlist> + Sync)) -> Self {
         let (cycles, paths) = Default::default();
         Self { recording, netlist, cycles, paths }
     }

@@ -2,16 +2,13 @@
 
 use super::error::RecordingError;
 use super::reader::{BlockReader, ChunkReader, checked_end};
+use super::shared::SharedRecording;
 use crate::build::BUILD;
 use crate::options::Overrides;
 use crate::run::untimed::UntimedResult;
 use basrelief_input::{MemoryPool, MemoryReservation};
-use basrelief_kernel::recording::RecordingChunk;
 use basrelief_kernel::stats::FigureValue;
-use basrelief_kernel::{Netlist, Recording};
 use basrelief_machines::{InputKind, MachineConfig, MachineInfo, MachineSpec, for_machine};
-use basrelief_threads as threads;
-use std::borrow::Cow;
 use std::io::Read;
 
 /// A whole recording in memory.
@@ -23,7 +20,7 @@ pub(crate) struct LoadedRecording {
     /// Configuration of the recorded run.
     pub(crate) config: MachineConfig,
     pub(crate) input: InputKind,
-    pub(crate) recording: Recording<'static>,
+    pub(crate) recording: SharedRecording<'static>,
     pub(crate) result: UntimedResult,
     /// Statistics of the units.
     pub(super) figures: Vec<(String, FigureValue)>,
@@ -47,7 +44,7 @@ impl LoadedRecording {
         let config = overrides.config(machine, &[]).map_err(|error| of_build(&build, config_error(error)))?;
         let netlist = for_machine!(&config, spec => input.shape(spec));
         let netlist = netlist.map_err(|problem| of_build(&build, RecordingError::Format(problem.to_string())))?;
-        let recording = read_stages(all, &netlist, budget.left());
+        let recording = SharedRecording::new(all, &netlist, budget.left());
         let (result, figures, work) = (end.result, end.figures, end.work);
         Ok(Self { build, machine, overrides, config, input, recording, result, figures, work, _held: chunks.waiting })
     }
@@ -56,11 +53,6 @@ impl LoadedRecording {
     pub(crate) fn config_with(&self, more: &[(String, String)]) -> Result<MachineConfig, RecordingError> {
         self.overrides.config(self.machine, more).map_err(config_error)
     }
-}
-
-/// Reads a whole recording for a machine with this netlist, on all threads. See [`Recording::new`].
-pub(crate) fn read_stages<'a>(chunks: impl Into<Cow<'a, [RecordingChunk]>>, netlist: &Netlist, room: u64) -> Recording<'a> {
-    Recording::read_by(chunks, netlist, room, |stages, read| threads::par_map((0..stages).collect(), read))
 }
 
 /// Returns the configuration of a recorded run.
