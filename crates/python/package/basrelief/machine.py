@@ -58,7 +58,7 @@ class Machine:
 
     def describe(self) -> Table:
         """Returns all parameters in the order of the block diagram: key, value, default, unit of measure, range, description, effect
-        (work or timing), provenance and source."""
+        (work, timing or cost), provenance and source."""
         rows = json.loads(self._config.described())
         kept = ("key", "value", "default", "unit", "range", "about", "effect")
         return Table.of_rows([{**{name: row[name] for name in kept}, **_provenance(row)} for row in rows])

@@ -62,7 +62,8 @@ class Recording:
         `bottlenecks`: analyse bottlenecks; `None` only if the recording is short.
         `recording`: keep the recording at once. Otherwise `Result.recording` makes it when it is first used.
         `memory_limit`: as in `Machine.run`.
-        Raises `UsageError` for a work parameter; `Machine.describe()["effect"]` marks the timing parameters.
+        Raises `UsageError` for a work parameter; timing and cost parameters may change. `Machine.describe()["effect"]`
+        has the effect of each parameter.
         """
         analysed = None if bottlenecks is None else arguments.truth("bottlenecks", bottlenecks)
         limit = None if memory_limit is None else arguments.whole("memory_limit", memory_limit)
