@@ -19,6 +19,7 @@ pub(crate) const RENAMED: &[(&str, &str)] = &[
     ("video_out.burst_bytes", "display.burst_bytes"),
     ("video_out.pixel_hz", "display.pixel_hz"),
     ("video_out.cycles_per_read", ""),
+    ("combiner.pixel_bytes", "frame_buffer.pixel_bytes"),
     ("fifo.finished_frames.depth", ""),
     ("fifo.finished_frames.latency", ""),
 ];

@@ -16,8 +16,8 @@ use basrelief_kernel::{Machine, MemorySystem, Stage, Visitor};
 use basrelief_signals::{PixelPacket, SignalWidths};
 use basrelief_texel_value_generator::signals::TexelPacket;
 use basrelief_texel_value_generator::{
-    ApproximateCalculator, Combiner, Divider, FrameBufferFlags, FrameLog, IlluminanceValueGenerator, Method, MipMapSelector,
-    MipMode, ScanConverter, StepCalculator, TextureLookUpTable,
+    ApproximateCalculator, Combiner, Divider, FrameLog, IlluminanceValueGenerator, Method, MipMapSelector, MipMode,
+    PixelValueBuffer, ScanConverter, StepCalculator, TextureLookUpTable,
 };
 
 /// Texture mapping system (300) with the texel value generator (310).
@@ -57,7 +57,9 @@ impl TextureMappingSystem {
         let approximate_calculator =
             ApproximateCalculator::new(c.approximation, &c.texel, [radix, c.scan.z_bits], gradients, operators.clone());
         let in_flight = lines_in_flight(config);
-        let flags = FrameBufferFlags {
+        let buffer = PixelValueBuffer {
+            buffers: c.display.buffers,
+            pixel_bytes: c.frame_buffer.pixel_bytes,
             flags: if c.frame_buffer.clear_flags { c.frame_buffer.flags } else { 0 },
             per_cycle: c.frame_buffer.flags_per_cycle,
         };
@@ -78,7 +80,7 @@ impl TextureMappingSystem {
                 mip_map_selector: Stage::new("mip-map-selector", MipMapSelector::new(c.mip)),
                 look_up: Stage::new("texture-look-up", look_up),
                 illuminance: Stage::new("illuminance", IlluminanceValueGenerator::new(c.illuminance, own)),
-                combiner: Stage::new("combiner", Combiner::new(c.combiner, in_flight, c.display.buffers, flags, c.operators)),
+                combiner: Stage::new("combiner", Combiner::new(c.combiner, in_flight, buffer, c.operators)),
                 buffer: Stage::new("pixel-value-buffer", FrameBuffer::new(c.frame_buffer, &c.display)),
                 memories,
                 clients,

@@ -30,10 +30,14 @@ pub struct CombinerCounters {
     pub clear: u64,
 }
 
-/// Flags of clear lines, as the buffer (360) has them.
+/// Parameters of the pixel value buffer (360), which the combiner reads back.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct FrameBufferFlags {
-    /// Number of flags.
+pub struct PixelValueBuffer {
+    /// Buffers of the swap chain, >= 1.
+    pub buffers: u32,
+    /// Size of a pixel \[bytes\].
+    pub pixel_bytes: u32,
+    /// Number of flags of clear lines.
     pub flags: u32,
     /// Flags that are set in a cycle, >= 1.
     pub per_cycle: u32,
@@ -77,19 +81,16 @@ pub struct Combiner {
     pub config: CombinerConfig,
     /// Lines held: at least as many as can be in flight from here to memory.
     pub lines: u32,
-    /// Buffers of the swap chain, >= 1.
-    buffers: u64,
-    /// Parameters of the buffer (360), for its flags.
-    buffer: FrameBufferFlags,
+    buffer: PixelValueBuffer,
     operators: Operators,
     /// State between steps.
     pub state: CombinerState,
 }
 
 impl Combiner {
-    /// Creates a combiner in its power-on state, with up to `lines` lines in flight to memory, for a swap chain of `buffers` buffers.
-    pub fn new(config: CombinerConfig, lines: u32, buffers: u32, buffer: FrameBufferFlags, operators: Operators) -> Self {
-        Self { config, lines, buffers: buffers.into(), buffer, operators, state: CombinerState::default() }
+    /// Creates a combiner in its power-on state, with up to `lines` lines in flight to memory.
+    pub fn new(config: CombinerConfig, lines: u32, buffer: PixelValueBuffer, operators: Operators) -> Self {
+        Self { config, lines, buffer, operators, state: CombinerState::default() }
     }
 
     /// Starts to record a map of displacements.
@@ -139,8 +140,8 @@ impl Combiner {
         } else if state.flags.is_clear(line) {
             state.counters.clear += 1;
         } else {
-            let bytes = LINE_PIXELS * self.config.pixel_bytes;
-            let base = layout::color_buffer(state.counters.frames % self.buffers.max(1));
+            let bytes = LINE_PIXELS * self.buffer.pixel_bytes;
+            let base = layout::color_buffer(state.counters.frames % u64::from(self.buffer.buffers.max(1)));
             traffic.read(0, base + line * u64::from(bytes), bytes);
             state.counters.lines_read += 1;
         }
@@ -290,7 +291,7 @@ mod tests {
         let counts = |initiation_interval| {
             let config = CombinerConfig { mode: CombineMode::Blend, initiation_interval, ..CombinerConfig::default() };
             let mut stats = UnitStats::default();
-            Combiner::new(config, 0, 2, FrameBufferFlags::default(), Operators::default()).report_stats(&mut stats);
+            Combiner::new(config, 0, PixelValueBuffer::default(), Operators::default()).report_stats(&mut stats);
             stats.all_hardware().iter().map(|piece| (piece.count, piece.turns)).collect::<Vec<_>>()
         };
         assert_eq!(counts(1), [(4, 1), (6, 1), (3, 1)]);

@@ -257,7 +257,5 @@ parameters! {
         blend_latency: u32 = 2, unit: "cycles", Derived("the second product and the sum; the first product needs no old value"), range: 0..=4096;
         /// Cycles that the look-up of a line's flag takes before the line is read.
         flag_latency: u32 = 0, unit: "cycles", Derived("the flag is read in the cycle that searches the lines on their way to memory; a read of the line depends on both"), range: 0..=4096;
-        /// Size of a pixel in the pixel value buffer (360), for reading back.
-        pixel_bytes: u32 = 4, unit: "bytes", Assumed("as frame_buffer.pixel_bytes"), range: 3..=4;
     }
 }

@@ -38,7 +38,7 @@ mod widths;
 pub use approximate_calculator::{
     ApproximateCalculator, ApproximateCalculatorCounters, ApproximateCalculatorState, DisplacementStats, displacement,
 };
-pub use combiner::{Combiner, CombinerCounters, CombinerState, FrameBufferFlags};
+pub use combiner::{Combiner, CombinerCounters, CombinerState, PixelValueBuffer};
 pub use config::{
     ApproximationConfig, CombineMode, CombinerConfig, DividerConfig, Division, IlluminanceConfig, IlluminanceMode, LookUpConfig,
     March, Method, MipConfig, MipMode, MipPer, ScanConverterConfig, Snap, StepForm, TexelConfig,

@@ -98,8 +98,7 @@ fn blend() -> Combiner {
     Combiner::new(
         CombinerConfig { mode: CombineMode::Blend, ..CombinerConfig::default() },
         4,
-        2,
-        FrameBufferFlags { flags: 5, per_cycle: 2 },
+        PixelValueBuffer { buffers: 2, pixel_bytes: 4, flags: 5, per_cycle: 2 },
         operators(),
     )
 }

@@ -4,17 +4,17 @@ use crate::figures::frame;
 use basrelief_kernel::{MemoryPorts, Operators, Unit};
 use basrelief_signals::{Flow, GatheredLines};
 use basrelief_texel_value_generator::signals::{IlluminancePacket, TexturePacket};
-use basrelief_texel_value_generator::{CombineMode, Combiner, CombinerConfig, FrameBufferFlags};
+use basrelief_texel_value_generator::{CombineMode, Combiner, CombinerConfig, PixelValueBuffer};
 use proptest::prelude::*;
 use std::collections::VecDeque;
 
 /// Illuminance 1.
 const ONE: u16 = 1 << 14;
 /// No flags of clear lines.
-const NO_FLAGS: FrameBufferFlags = FrameBufferFlags { flags: 0, per_cycle: 64 };
+const NO_FLAGS: PixelValueBuffer = PixelValueBuffer { buffers: 2, pixel_bytes: 4, flags: 0, per_cycle: 64 };
 
-fn combiner(mode: CombineMode, lines: u32, flags: FrameBufferFlags) -> Combiner {
-    let mut unit = Combiner::new(CombinerConfig { mode, ..CombinerConfig::default() }, lines, 2, flags, Operators::default());
+fn combiner(mode: CombineMode, lines: u32, buffer: PixelValueBuffer) -> Combiner {
+    let mut unit = Combiner::new(CombinerConfig { mode, ..CombinerConfig::default() }, lines, buffer, Operators::default());
     unit.step((Some(Flow::Control(frame(40, 3))), Some(Flow::Control(frame(40, 3)))), &mut MemoryPorts::default());
     unit
 }
@@ -57,7 +57,7 @@ fn held_line_is_not_read_and_evicted_line_is() {
 
 #[test]
 fn clear_line_is_not_read() {
-    let mut unit = combiner(CombineMode::Blend, 1, FrameBufferFlags { flags: 8, per_cycle: 2 });
+    let mut unit = combiner(CombineMode::Blend, 1, PixelValueBuffer { flags: 8, per_cycle: 2, ..NO_FLAGS });
     let mut read = |place| combine(&mut unit, place, [9, 9]).1;
     // 40 x 3 pixels are 9 lines; the last has no flag.
     assert_eq!([[0, 0], [16, 0], [0, 0], [32, 2]].map(&mut read), [vec![], vec![], vec![0], vec![8 * 64]]);
@@ -71,7 +71,7 @@ fn clear_line_is_not_read() {
 fn blending_begins_with_the_old_value() {
     for (latency, after) in [(3, 2), (9, 2), (1, 1)] {
         let config = CombinerConfig { mode: CombineMode::Blend, latency, ..CombinerConfig::default() };
-        let mut unit = Combiner::new(config, 4, 2, FrameBufferFlags { flags: 0, per_cycle: 1 }, Operators::default());
+        let mut unit = Combiner::new(config, 4, PixelValueBuffer { per_cycle: 1, ..NO_FLAGS }, Operators::default());
         let mut texture = TexturePacket::default();
         texture.packet.mask = 1;
         let input = (Some(Flow::Item(texture)), Some(Flow::Item(IlluminancePacket::default())));
@@ -84,7 +84,7 @@ fn blending_begins_with_the_old_value() {
 fn look_up_of_a_flag_delays_the_old_value() {
     for (mode, flags, delay) in [(CombineMode::Blend, 8, 5), (CombineMode::Blend, 0, 0), (CombineMode::Replace, 8, 0)] {
         let config = CombinerConfig { mode, flag_latency: 5, ..CombinerConfig::default() };
-        let mut unit = Combiner::new(config, 4, 2, FrameBufferFlags { flags, per_cycle: 1 }, Operators::default());
+        let mut unit = Combiner::new(config, 4, PixelValueBuffer { flags, per_cycle: 1, ..NO_FLAGS }, Operators::default());
         let mut texture = TexturePacket::default();
         texture.packet.mask = 1;
         let input = (Some(Flow::Item(texture)), Some(Flow::Item(IlluminancePacket::default())));
