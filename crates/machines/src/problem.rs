@@ -74,6 +74,11 @@ pub(crate) fn line_is_power_of_two(name: &str, line_bytes: u32) -> Result<(), Co
     problem(&format!("cache.{name}.line_bytes"), format!("is {line_bytes}, expected a power of two"))
 }
 
+/// Returns a warning if a part of a latency is longer than the latency.
+pub(crate) fn longer_part((part, cycles): (&str, u32), (whole, latency): (&str, u32)) -> Option<String> {
+    (cycles > latency).then(|| format!("{part} = {cycles} counts as {latency}, because it is a part of {whole} = {latency}"))
+}
+
 /// Returns a warning if polygons have a normal map. Machines without normal maps call this function.
 pub fn unused_normal_maps(facts: &UnitStats) -> Option<String> {
     let mapped = facts.count("bump_polygons");

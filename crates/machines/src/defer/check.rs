@@ -2,7 +2,7 @@
 
 use super::DeferConfig;
 use crate::memories::check_memories;
-use crate::problem::{ConfigProblem, line_is_power_of_two, problem, slow_fifos, unused_normal_maps};
+use crate::problem::{ConfigProblem, line_is_power_of_two, longer_part, problem, slow_fifos, unused_normal_maps};
 use basrelief_deferred_renderer::{LightingMode, NumberFormat, RenderMode};
 use basrelief_kernel::stats::UnitStats;
 
@@ -60,9 +60,11 @@ fn check_leaving(c: &DeferConfig) -> Result<(), ConfigProblem> {
     }
     let tiles = &c.defer.left_at_tile;
     // Times may come from a file of views.
-    for (key, how, is_given) in
-        [("defer.left_at_ms", "set, or views have `at_ms`", !times.is_empty()), ("defer.left_at_tile", "set", !tiles.is_empty())]
-    {
+    for (key, how, is_given) in [
+        ("defer.left_at_ms", "set, or views have `at_ms`", !times.is_empty()),
+        ("defer.left_at_tile", "set", !tiles.is_empty()),
+        ("defer.pictures_per_view", "set", c.defer.pictures_per_view > 0),
+    ] {
         if is_given && c.defer.mode != RenderMode::Progressive {
             let message = format!("is {how}, but a view can be left only in progressive mode; set `defer.mode=progressive`");
             return problem(key, message);
@@ -76,6 +78,9 @@ pub fn warnings(c: &DeferConfig, facts: &UnitStats) -> Vec<String> {
     slow_fifos(facts)
         .into_iter()
         .chain(unused_requests(c))
+        .chain(longer_part(("engine.filter_latency", c.engine.filter_latency), ("engine.latency", c.engine.latency)))
+        .chain(unused_early_z(c))
+        .chain(clamped_coordinates(facts))
         .chain(unused_normal_maps(facts))
         .chain(input_warnings(c, facts))
         .collect()
@@ -87,6 +92,24 @@ fn unused_requests(c: &DeferConfig) -> Option<String> {
     (tiles > orders).then(|| {
         format!(
             "fifo.orders.depth = {orders} allows {orders} tiles in flight; path.requests x path.tiles_per_request are {tiles}"
+        )
+    })
+}
+
+/// Warns if the parameter for a later depth test is set, which only other machines have.
+fn unused_early_z(c: &DeferConfig) -> Option<String> {
+    let text =
+        "rasterizer.early_z = false has no effect: this machine tests the depth of fragments before it makes cells of them";
+    (!c.rasterizer.early_z).then(|| text.to_owned())
+}
+
+/// Warns if texture coordinates exceed their fields, because the picture then shows other texels.
+fn clamped_coordinates(facts: &UnitStats) -> Option<String> {
+    let (clamped, all) = (facts.count("cells_clamped"), facts.count("cells_textured"));
+    (clamped > 0).then(|| {
+        format!(
+            "the texture coordinates of {clamped} of {all} cells exceed their fields and are clamped; lower \
+             cell.coordinate_fraction_bits, or raise cell.coordinate_bits"
         )
     })
 }

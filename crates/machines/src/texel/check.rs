@@ -2,7 +2,7 @@
 
 use super::TexelMachineConfig;
 use crate::memories::check_memories;
-use crate::problem::{ConfigProblem, line_is_power_of_two, problem, slow_fifos, unused_normal_maps};
+use crate::problem::{ConfigProblem, line_is_power_of_two, longer_part, problem, slow_fifos, unused_normal_maps};
 use basrelief_kernel::stats::UnitStats;
 use basrelief_signals::LINE_PIXELS;
 
@@ -26,9 +26,15 @@ pub(super) fn check(c: &TexelMachineConfig) -> Result<(), ConfigProblem> {
     Ok(())
 }
 
-/// Returns warnings for the report: FIFOs that limit the throughput, and input that the machine cannot use.
-pub fn warnings(facts: &UnitStats) -> Vec<String> {
-    slow_fifos(facts).into_iter().chain(unused_normal_maps(facts)).chain(input_warnings(facts)).collect()
+/// Returns warnings for the report: FIFOs that limit the throughput, parts longer than their latency, and input that the machine cannot
+/// use.
+pub fn warnings(c: &TexelMachineConfig, facts: &UnitStats) -> Vec<String> {
+    let parts = [
+        longer_part(("look_up.filter_latency", c.look_up.filter_latency), ("look_up.latency", c.look_up.latency)),
+        longer_part(("combiner.blend_latency", c.combiner.blend_latency), ("combiner.latency", c.combiner.latency)),
+    ];
+    let parts = parts.into_iter().flatten();
+    slow_fifos(facts).into_iter().chain(parts).chain(unused_normal_maps(facts)).chain(input_warnings(facts)).collect()
 }
 
 /// Returns warnings about input that the system cannot use.

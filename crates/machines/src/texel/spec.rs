@@ -43,7 +43,7 @@ impl MachineSpec for TexelMachineConfig {
     }
 
     fn warnings(&self, facts: &UnitStats) -> Vec<String> {
-        super::warnings(facts)
+        super::warnings(self, facts)
     }
 }
 

@@ -120,6 +120,15 @@ impl FieldRounding {
         }
     }
 
+    /// Returns true unless the number is larger than the field can hold.
+    #[inline]
+    fn holds(self, value: f32) -> bool {
+        match self {
+            Self::Float(_) => true,
+            Self::Fixed(_, most) => f64::from(value).abs() <= most,
+        }
+    }
+
     /// Returns the nearest number that the field can hold. NaN becomes 0.
     #[inline]
     fn apply(self, value: f32) -> f32 {
@@ -150,6 +159,12 @@ impl CellFormat {
             range,
             bytes: c.bits().div_ceil(8),
         }
+    }
+
+    /// Returns true unless texture coordinates are larger than their fields can hold.
+    #[inline]
+    pub fn holds(&self, st: [f32; 2]) -> bool {
+        st.into_iter().all(|s| self.coordinate.holds(s))
     }
 
     /// Creates the cell of a textured pixel: coordinates \[texels of the finest layer\], layer depth, brightness per channel.

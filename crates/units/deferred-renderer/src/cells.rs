@@ -35,6 +35,8 @@ pub struct CellsCounters {
     pub textured: u64,
     /// Cells of direct colour.
     pub direct: u64,
+    /// Cells whose texture coordinates exceed their fields.
+    pub clamped: u64,
 }
 
 /// State of the initial rasterization between steps.
@@ -123,7 +125,7 @@ impl Cells {
         state.end += page.bytes();
         if state.end > self.config.texture_memory {
             traffic.fault(format!(
-                "the pyramids of {} textures take {} bytes, `engine.texture_memory` has {}; raise it",
+                "with texture {} of the scene, the pyramids take {} bytes, but `engine.texture_memory` has {}; raise it",
                 pages + 1,
                 state.end,
                 self.config.texture_memory
@@ -200,7 +202,9 @@ impl Cells {
                 Some((page, wrap)) => {
                     counters.textured += 1;
                     let depth = layer_depth(page.dmax(), slopes.footprint.rho_squared(f.x, f.y));
-                    self.format.textured(page, slopes.coordinates.at(f.weights), depth, colour).wrapped(*wrap)
+                    let st = slopes.coordinates.at(f.weights);
+                    counters.clamped += u64::from(!self.format.holds(st));
+                    self.format.textured(page, st, depth, colour).wrapped(*wrap)
                 }
                 None => {
                     counters.direct += 1;
@@ -253,5 +257,6 @@ impl Unit for Cells {
         let c = &self.state.counters;
         stats.figure("cells_textured", c.textured, "cells", "Cells with a texture");
         stats.figure("cells_direct", c.direct, "cells", "Cells with a colour");
+        stats.figure("cells_clamped", c.clamped, "cells", "Cells whose texture coordinates exceed their fields");
     }
 }
