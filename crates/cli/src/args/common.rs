@@ -1,7 +1,8 @@
 //! Arguments that several commands share.
 
 use super::values::{
-    TableSelection, angles, direction, finite, key_value, machine, output_file, size, socket, tables, wave_file, whole, zoom,
+    TableSelection, angles, direction, finite, key_value, machine, output_file, size, socket, tables, token_file, wave_file,
+    whole, wire_file, zoom,
 };
 use crate::commands::dump;
 use basrelief_report::TableGroup;
@@ -163,7 +164,7 @@ pub struct SimulationArgs {
     pub costs: bool,
     /// Write a timeline of all units as a Perfetto trace (open at ui.perfetto.dev). A name that ends in `.zst` compresses it; Perfetto reads
     /// it after `zstd -d`.
-    #[arg(long, value_name = "FILE", value_parser = output_file(), group = "time_line")]
+    #[arg(long, value_name = "FILE", value_parser = output_file(), groups = ["time_line", "token_paths"])]
     pub timeline: Option<PathBuf>,
     /// Write waveforms of all units and FIFOs as an FST file (open in GTKWave or Surfer). They stay in memory until the end of the run,
     /// within --memory-limit.
@@ -171,17 +172,17 @@ pub struct SimulationArgs {
     pub waves: Option<PathBuf>,
     /// Write the path of single tokens from unit to unit as a Kanata file (open in Konata): `.kanata`, or `.kanata.zst` compressed. A
     /// token that a test removes appears as flushed. The paths stay in memory until the end of the run, within --memory-limit.
-    #[arg(long, value_name = "FILE", value_parser = output_file(), group = "time_line")]
+    #[arg(long, value_name = "FILE", value_parser = token_file(), groups = ["time_line", "token_paths"])]
     pub tokens: Option<PathBuf>,
     /// Write everything that crosses the wires: tokens in bits, cycles of steps and deliveries, memory requests and answers, and tables. It
     /// checks register-transfer code of a unit against the machine (see rtl/check). Text: `.wires`, or `.wires.zst` compressed.
-    #[arg(long, value_name = "FILE", value_parser = output_file(), conflicts_with_all = ["time_line", "costs"])]
+    #[arg(long, value_name = "FILE", value_parser = wire_file(), conflicts_with_all = ["time_line", "costs"])]
     pub rtl: Option<PathBuf>,
-    /// Write one token out of N.
-    #[arg(long, value_name = "N", requires = "tokens", default_value = "64", value_parser = whole::<NonZeroU64>(1..=u64::MAX))]
+    /// Follow one token out of N, in the file of --tokens and in the flows of --timeline.
+    #[arg(long, value_name = "N", requires = "token_paths", default_value = "64", value_parser = whole::<NonZeroU64>(1..=u64::MAX))]
     pub tokens_every: NonZeroU64,
-    /// Kind of tokens to write.
-    #[arg(long, value_name = "WHAT", requires = "tokens", value_enum, default_value_t)]
+    /// Kind of tokens to follow.
+    #[arg(long, value_name = "WHAT", requires = "token_paths", value_enum, default_value_t)]
     pub tokens_of: TokenKind,
     /// First cycle of timeline, waveforms and tokens [default: 0].
     #[arg(long, value_name = "N", requires = "time_line", value_parser = whole::<u64>(0..=u64::MAX))]

@@ -29,7 +29,7 @@ pub struct Cli {
     /// The command.
     #[command(subcommand)]
     pub command: Command,
-    /// Print errors only.
+    /// Print errors only, and output that the command is asked for.
     #[arg(long, short, global = true)]
     pub quiet: bool,
     /// Memory limit for input data and the structures built from it [bytes; suffixes KiB, MiB, GiB]. A run that needs more ends

@@ -1,7 +1,7 @@
 //! Arguments of the commands that draw or serve scenes.
 
 use super::common::{MachineArgs, SimulationArgs, TablesArgs, ViewArgs};
-use super::values::{http, key_value, origin, output_file, socket, tolerance, whole};
+use super::values::{host_name, http, key_value, origin, output_file, socket, tolerance, whole};
 use clap::Args;
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -103,7 +103,7 @@ pub struct PageArgs {
     #[arg(long)]
     pub public: bool,
     /// Answer requests to this host name too; repeatable [default: the address only].
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = host_name)]
     pub allow_host: Vec<String>,
     /// Folder written by `web/build` [default: the page in this program, else `page` beside it].
     #[arg(long, value_name = "DIR")]
@@ -125,7 +125,7 @@ pub struct ServeArgs {
     #[arg(long)]
     pub public: bool,
     /// Answer requests to this host name too; repeatable [default: the address only].
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = host_name)]
     pub allow_host: Vec<String>,
     /// Let web pages of this origin read the scene, for example http://localhost:3000; `*` means all pages.
     #[arg(long, value_name = "ORIGIN", value_parser = origin)]

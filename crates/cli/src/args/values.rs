@@ -9,7 +9,7 @@ use basrelief_sim::{MACHINES, MachineInfo};
 use clap::builder::{PathBufValueParser, PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::net::SocketAddr;
 use std::ops::RangeInclusive;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 use ureq::http::Uri;
 use ureq::http::uri::Authority;
@@ -48,12 +48,47 @@ pub fn output_file() -> impl TypedValueParser<Value = PathBuf> {
 
 /// The path of waveforms. The ending of another format is an error.
 pub fn wave_file() -> impl TypedValueParser<Value = PathBuf> {
-    output_file().try_map(|path: PathBuf| match path.extension() {
-        Some(ending) if !ending.eq_ignore_ascii_case("fst") => {
-            Err("expected a name that ends in .fst, the format that is written")
-        }
-        _ => Ok(path),
+    output_file().try_map(|path: PathBuf| match has_other_ending(&path, "fst") {
+        true => Err("expected a name that ends in .fst, the format that is written"),
+        false => Ok(path),
     })
+}
+
+/// The path of token paths, compressed or not. The ending of another format is an error.
+pub fn token_file() -> impl TypedValueParser<Value = PathBuf> {
+    output_file().try_map(|path: PathBuf| match has_other_ending(uncompressed(&path), "kanata") {
+        true => Err("expected a name that ends in .kanata or .kanata.zst, the format that is written"),
+        false => Ok(path),
+    })
+}
+
+/// The path of a record of wires, compressed or not. The ending of another format is an error.
+pub fn wire_file() -> impl TypedValueParser<Value = PathBuf> {
+    output_file().try_map(|path: PathBuf| match has_other_ending(uncompressed(&path), "wires") {
+        true => Err("expected a name that ends in .wires or .wires.zst, the format that is written"),
+        false => Ok(path),
+    })
+}
+
+/// Returns the path without the ending `.zst`.
+fn uncompressed(path: &Path) -> &Path {
+    let is_compressed = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zst"));
+    path.file_stem().filter(|_| is_compressed).map_or(path, Path::new)
+}
+
+/// Returns true if the name of a file has an ending, but not this one.
+fn has_other_ending(path: &Path, ending: &str) -> bool {
+    path.extension().is_some_and(|other| !other.eq_ignore_ascii_case(ending))
+}
+
+/// Parses the name of a host.
+pub fn host_name(text: &str) -> Result<String, String> {
+    let is_name = text.parse::<Authority>().is_ok_and(|name| name.host() == text && !text.is_empty());
+    if is_name {
+        Ok(text.into())
+    } else {
+        Err("expected the name of a host, such as simulator.example, without scheme and port".into())
+    }
 }
 
 /// The address of a server.
