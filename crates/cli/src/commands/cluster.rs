@@ -48,16 +48,19 @@ pub fn commands(plan: &Plan, folder: &SweepFolder, args: &SweepArgs, global: &Gl
 /// Returns a job script for Slurm. Run by a shell, it submits an array of shards, and a second job that writes the tables.
 pub fn job_script(plan: &Plan, folder: &SweepFolder, args: &SweepArgs, global: &GlobalOptions) -> CommandResult<String> {
     let missing = missing_points(plan, folder).len();
-    let tasks = plan.min_runs().min(missing).clamp(1, MOST_TASKS);
+    let tasks = plan.min_runs().min(missing).min(MOST_TASKS);
     let command = command(args, global)?;
     let log = quoted(&absolute(&args.plan.out)?.join("slurm-%A_%a.log"))?;
     let memory = (global.memory_limit >> 20) + OWN_MEMORY;
+    let points = if missing == 1 { "point is" } else { "points are" };
+    let (purpose, submit) = submission(tasks);
+    let last = tasks.max(1);
     Ok(format!(
         "#!/bin/sh\n\
-         # {missing} points are missing. Run this with sh: it submits an array of {tasks} tasks, and a job that then writes the tables.\n\
+         # {missing} {points} missing. Run this with sh: it submits {purpose}.\n\
          # Options of sbatch, such as --time, may be given, too: sh JOB --time=10:00\n\
          #SBATCH --job-name=basrelief\n\
-         #SBATCH --array=1-{tasks}\n\
+         #SBATCH --array=1-{last}\n\
          #SBATCH --cpus-per-task=1\n\
          #SBATCH --mem={memory}M\n\
          #SBATCH --time=01:00:00\n\
@@ -65,14 +68,25 @@ pub fn job_script(plan: &Plan, folder: &SweepFolder, args: &SweepArgs, global: &
          #SBATCH --open-mode=append\n\
          #SBATCH --output={log}\n\
          if [ -z \"$SLURM_ARRAY_TASK_ID\" ]; then\n    \
-             array=$(sbatch --parsable \"$@\" \"$0\") || exit 1\n    \
-             exec sbatch --dependency=\"afterok:$array\" --array=1 --job-name=basrelief-tables \"$@\" \"$0\" tables\n\
+             {submit}\n\
          fi\n\
          if [ \"$1\" = tables ]; then\n    \
              exec {command} --quiet\n\
          fi\n\
          exec {command} --quiet --shard \"$SLURM_ARRAY_TASK_ID/{tasks}\" --threads \"${{SLURM_CPUS_PER_TASK:-1}}\"\n"
     ))
+}
+
+/// Returns what a job script submits, and the shell commands that submit it.
+fn submission(tasks: usize) -> (String, String) {
+    let tables = |after: &str| format!("exec sbatch {after}--array=1 --job-name=basrelief-tables \"$@\" \"$0\" tables");
+    if tasks == 0 {
+        return ("a job that writes the tables".into(), tables(""));
+    }
+    let noun = if tasks == 1 { "task" } else { "tasks" };
+    let array = "array=$(sbatch --parsable \"$@\" \"$0\") || exit 1";
+    let submit = format!("{array}\n    {}", tables("--dependency=\"afterok:$array\" "));
+    (format!("an array of {tasks} {noun}, and a job that then writes the tables"), submit)
 }
 
 /// Returns this sweep as a shell command that every folder and computer understands, with all options that change its results.

@@ -34,5 +34,5 @@ pub fn explore(args: &ExploreArgs, global: &GlobalOptions) -> CommandResult {
     };
     said += &write_tables(&plan, &folder, &args.plan, &host)?;
     drop(host);
-    finish(&said, failed, &plan, &args.plan, global)
+    finish(&said, (failed, plan.points.len()), &plan, &args.plan, global)
 }

@@ -42,7 +42,7 @@ impl<'a> OpenedPlan<'a> {
     /// # Errors
     /// An unreadable file or an invalid plan.
     pub fn read(args: &PlanArgs, global: &'a GlobalOptions) -> CommandResult<Self> {
-        interrupt::set_message("interrupted; finished points are kept; run the command again to continue");
+        interrupt::set_message("interrupted; points that are finished are kept; run the command again to continue");
         if args.threads == Some(1) {
             threads::disable_threads();
         }
@@ -89,17 +89,17 @@ pub fn failed_points(folder: &SweepFolder, points: &[&PlanPoint]) -> usize {
     folder.find_all(points).into_iter().filter(|found| *found == PointStatus::Failed).count()
 }
 
-/// Prints the message of a finished command. `failed`: the number of the plan's points that failed.
+/// Prints the message of a finished command. `failed`: number of points that failed, of so many.
 ///
 /// # Errors
-/// All points of the plan failed. A shard alone may consist of such points.
-pub fn finish(said: &str, failed: usize, plan: &Plan, args: &PlanArgs, global: &GlobalOptions) -> CommandResult {
+/// All of these points failed.
+pub fn finish(said: &str, failed: (usize, usize), plan: &Plan, args: &PlanArgs, global: &GlobalOptions) -> CommandResult {
     if !global.quiet {
         print(said)?;
         let name = args.plan.display();
         plan.warnings().iter().for_each(|warning| print_note(&format!("warning: {name}: {warning}")));
     }
-    let points = plan.points.len();
+    let (failed, points) = failed;
     if failed < points || points == 0 {
         return Ok(());
     }

@@ -22,7 +22,9 @@ pub fn sweep(args: &SweepArgs, global: &GlobalOptions) -> CommandResult {
     let failed = failed_points(&folder, &points);
     let said = counts(&tally, failed) + &finish_sweep(&plan, &points, &folder, args, &host)?;
     drop(host);
-    finish(&said, failed, &plan, &args.plan, global)
+    // A shard alone may consist of points that fail.
+    let judged = if args.point.is_empty() { plan.points.len() } else { points.len() };
+    finish(&said, (failed, judged), &plan, &args.plan, global)
 }
 
 /// Returns the points that the command line selects.
