@@ -79,6 +79,7 @@ pub fn size_fifos(
         let sizes = sim_size_fifos(readers, &within, &budget(memory_limit.unwrap_or(MemoryPool::DEFAULT)));
         let sizes = sizes.map_err(|error| match error {
             RecordingError::Different { number, .. } => CommandError::in_input(&format!("recording {}", number + 1))(error),
+            RecordingError::OneOf { error, .. } => of_recording(*error),
             error => of_recording(error),
         })?;
         Ok(serde_json::to_string(&sizes).map_err(CommandError::bad_input)?)

@@ -32,8 +32,10 @@ pub fn size_fifos(args: &SizeFifosArgs, global: &GlobalOptions) -> CommandResult
         args.inputs.iter().map(|input| RecordedInput::open(input, args, global)).collect::<CommandResult<Vec<_>>>()?;
     let names: Vec<String> = inputs.iter().map(|input| input.name.clone()).collect();
     let readers = inputs.iter_mut().map(|input| &mut *input.recording as &mut dyn Read).collect();
+    let name = |number: usize| names.get(number).map_or("", |name| name);
     let sizes = sized(readers, &args.within, &global.budget).map_err(|error| match error {
-        RecordingError::Different { number, .. } => CommandError::in_input(names.get(number).map_or("", |name| name))(error),
+        RecordingError::Different { number, .. } => CommandError::in_input(name(number))(error),
+        RecordingError::OneOf { number, error } => failure(name(number))(*error),
         error => failure(&names.join(", "))(error),
     })?;
     for (number, input) in inputs.iter().enumerate() {

@@ -78,8 +78,9 @@ pub fn size_fifos(
     within_percent: &[f64],
     budget: &basrelief_input::MemoryPool,
 ) -> Result<FifoSizing, RecordingError> {
-    let loaded =
-        recordings.into_iter().map(|recording| LoadedRecording::read(recording, budget)).collect::<Result<Vec<_>, _>>()?;
+    let one_of = |number| move |error| RecordingError::OneOf { number, error: Box::new(error) };
+    let read = |(number, recording): (usize, &mut dyn Read)| LoadedRecording::read(recording, budget).map_err(one_of(number));
+    let loaded = recordings.into_iter().enumerate().map(read).collect::<Result<Vec<_>, _>>()?;
     let Some(first) = loaded.first() else { return Err(RecordingError::Format("there is no recording".into())) };
     let config = &first.config;
     for (number, other) in loaded.iter().enumerate() {

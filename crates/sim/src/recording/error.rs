@@ -28,6 +28,14 @@ pub enum RecordingError {
     /// Parameters that are unknown, out of range, or that do not fit together.
     #[error("{0}")]
     Config(String),
+    /// An error in one of several recordings.
+    #[error("{error}")]
+    OneOf {
+        /// Number of the recording, from 0.
+        number: usize,
+        /// The error.
+        error: Box<Self>,
+    },
     /// Recordings of different machines or parameters.
     #[error("{difference}; all inputs must have the same machine and parameters")]
     Different {
