@@ -57,7 +57,8 @@ pub struct LargestRegression {
 impl LargestRegression {
     /// The size in its own unit of measure.
     pub(super) fn size(&self) -> String {
-        self.db.map_or_else(|| format!("{:.1} %", self.percent), |db| format!("{db:.2} dB ({:.1} % of A)", self.percent))
+        let percent = if self.percent < 0.05 { "less than 0.1 %".to_owned() } else { format!("{:.1} %", self.percent) };
+        self.db.map_or_else(|| percent.clone(), |db| format!("{db:.2} dB ({percent} of A)"))
     }
 }
 

@@ -96,11 +96,11 @@ impl TableGroup {
             Self::Quality => "it needs the reference image, so omit --no-exact",
             Self::Machine | Self::Hardware | Self::Figures => "the machine has nothing to list there",
             Self::Costs if has_time => "a run with --costs has it",
-            Self::Sensitivity if has_time => "a run with --sensitivity has it",
+            Self::Sensitivity if has_time && report.outcome.is_complete() => "a run with --sensitivity has it",
             Self::Bottlenecks if has_time && report.outcome.is_complete() => {
                 "--bottlenecks makes it, unless a warning says why not"
             }
-            Self::Bottlenecks if has_time => "only complete runs have it",
+            Self::Bottlenecks | Self::Sensitivity if has_time => "only complete runs have it",
             _ if has_time => "the run has nothing to list there",
             Self::Costs => "a run with --costs, without --functional, has it",
             Self::Sensitivity => "a run with --sensitivity, without --functional, has it",
