@@ -66,8 +66,7 @@ impl LivePreview {
     /// # Errors
     /// The address cannot be used.
     pub fn listen(&self, address: SocketAddr) -> Result<SocketAddr, String> {
-        let listening = listen(self.clone(), address, ServerLimits::default());
-        listening.map(|(address, _)| address).map_err(|e| format!("{address}: cannot be listened at: {e}"))
+        listen(self.clone(), address, ServerLimits::default()).map(|(address, _)| address)
     }
 
     fn lock(&self) -> MutexGuard<'_, PreviewState> {

@@ -75,7 +75,7 @@ pub fn hash_of_list(list: &[u8]) -> [u8; 32] {
 }
 
 /// Error of a tile with another hash.
-const FALSE_TILE: &str = "false: this is not the tile that the scene states; the server, or a proxy before it, sends other tiles";
+const FALSE_TILE: &str = "not the tile that the scene states; the server, or a proxy before it, sends other tiles";
 
 impl GroupHashes {
     /// Adds a picture with the hashes of its groups.
@@ -90,7 +90,7 @@ impl GroupHashes {
     pub fn check_list(&self, picture: &str, group: u32, list: &[u8]) -> Result<(), String> {
         let stated = self.0.get(picture).and_then(|(_, groups)| groups.get(group as usize));
         let stated = stated.ok_or("the scene states no hash of these tiles")?;
-        if hex(stated) == hash_of(list) { Ok(()) } else { Err("false: this is not the list that the scene states".into()) }
+        if hex(stated) == hash_of(list) { Ok(()) } else { Err("not the list of tiles that the scene states".into()) }
     }
 
     /// Checks the hash of a tile. `list` returns the checked list of its group.

@@ -51,7 +51,7 @@ impl StaticFiles {
     /// # Errors
     /// The address cannot be used.
     pub fn listen(self, address: SocketAddr) -> Result<(SocketAddr, ListeningServer), String> {
-        listen(self, address, ServerLimits::default()).map_err(|e| format!("{address}: cannot be listened at: {e}"))
+        listen(self, address, ServerLimits::default())
     }
 }
 

@@ -67,13 +67,18 @@ impl ListeningServer {
 }
 
 /// Starts to listen at an address; port 0 selects a free port. Returns the address and the running server.
+///
+/// # Errors
+/// The address cannot be used.
 pub(crate) fn listen(
     answers: impl RequestHandler,
     address: SocketAddr,
     limits: ServerLimits,
-) -> io::Result<(SocketAddr, ListeningServer)> {
-    let listener = TcpListener::bind(address)?;
-    let address = listener.local_addr()?;
+) -> Result<(SocketAddr, ListeningServer), String> {
+    let refused =
+        |error| format!("{address}: cannot be listened at: {error}; choose another address or port (port 0: a free one)");
+    let listener = TcpListener::bind(address).map_err(refused)?;
+    let address = listener.local_addr().map_err(refused)?;
     let hosts = Arc::new(AllowedHosts::new(address, answers.host_names()));
     let answers: Arc<dyn RequestHandler> = Arc::new(answers);
     Ok((address, ListeningServer(thread::spawn(move || accept(&listener, &answers, &hosts, limits)))))

@@ -187,7 +187,7 @@ impl SceneService {
     /// # Errors
     /// The address cannot be used.
     pub fn listen(self, address: SocketAddr, limits: ServerLimits) -> Result<(SocketAddr, ListeningServer), String> {
-        listen(self, address, limits).map_err(|e| format!("{address}: cannot be listened at: {e}"))
+        listen(self, address, limits)
     }
 }
 
