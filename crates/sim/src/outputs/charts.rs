@@ -156,7 +156,7 @@ impl RunCharts {
         let from = self.layout.from;
         (from >= total).then(|| {
             let [from, total] = [from, total].map(thousands);
-            format!("timelines and waveforms are empty: they start at cycle {from}, but the run has {total} cycles; choose an earlier first cycle")
+            format!("timelines, waveforms and token files are empty: they start at cycle {from}, but the run has {total} cycles; choose an earlier first cycle")
         })
     }
 
