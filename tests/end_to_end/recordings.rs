@@ -65,6 +65,8 @@ fn run_writes_recording_beside_report() {
     assert!(!has_recording("d"));
     place.ok("size-fifos a --within 1");
     assert!(place.run("size-fifos d").error(1).starts_with("d/run.recording: cannot be read"));
+    let damaged = place.run("size-fifos a b/report.json");
+    assert!(damaged.error(1).starts_with("b/report.json: not a recording, or damaged"), "only the damaged input is named");
     assert!(place.run("resimulate a --out a").error(2).contains("is an input (RECORDING)"));
     place.ok(&format!("{RUN} --no-bottlenecks --recording d/run.recording --out d"));
     place.ok("resimulate d");

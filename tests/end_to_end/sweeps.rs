@@ -201,6 +201,11 @@ fn listed_commands_and_shards_complete_sweep() {
     }
     job(&["tables"], "1");
     same(&files(&place.path("out")), &whole);
+    fs::write(place.path("job.sh"), place.ok("sweep plan.toml --slurm").out).unwrap();
+    fs::remove_file(place.path("submitted")).unwrap();
+    job(&[], "");
+    let submitted = fs::read_to_string(place.path("submitted")).unwrap();
+    assert_eq!(submitted, "--array=1 --job-name=basrelief-tables job.sh tables\n", "no points are missing");
 }
 
 #[test]
@@ -474,4 +479,7 @@ fn sweep_without_a_result_is_an_error() {
     assert!(place.path("none/sweep.csv").exists(), "the tables are written before the error");
     fs::write(place.path("one.toml"), plan("16, 4096")).unwrap();
     place.ok("--quiet sweep one.toml --out one");
+    let listed = place.ok("sweep one.toml --out two --list").out;
+    let codes: Vec<i32> = listed.lines().map(|line| place.run(line.split_once(' ').expect("a command").1).code()).collect();
+    assert_eq!(codes, [1, 0], "a command whose only point fails");
 }

@@ -133,6 +133,38 @@ mod tests {
     }
 
     #[test]
+    fn file_of_another_format_is_refused() {
+        let parse = |option: &str, path: &str| command().try_get_matches_from(["basrelief", "demo", option, path]);
+        for (option, ending, wrong) in [("--tokens", "kanata", "run.txt"), ("--rtl", "wires", "run.wires.gz")] {
+            let error = parse(option, wrong).unwrap_err().to_string();
+            assert!(error.contains(&format!("expected a name that ends in .{ending} or .{ending}.zst")), "{error}");
+            for path in [format!("run.{ending}"), format!("run.{ending}.zst"), "run".into(), "run.zst".into(), "/dev/null".into()]
+            {
+                assert!(parse(option, &path).is_ok(), "{option} {path}");
+            }
+        }
+    }
+
+    #[test]
+    fn flows_of_timelines_can_be_chosen_alone() {
+        let parse = |line: &str| command().try_get_matches_from(["basrelief", "demo"].into_iter().chain(line.split(' ')));
+        assert!(parse("--timeline a.pftrace --tokens-every 8 --tokens-of polygons").is_ok());
+        assert!(parse("--waves a.fst --tokens-every 8").is_err());
+    }
+
+    #[test]
+    fn host_name_has_no_scheme_and_no_port() {
+        let parse = |name| command().try_get_matches_from(["basrelief", "serve", "demo:coin", "--allow-host", name]);
+        for name in ["simulator.example", "localhost", "10.0.0.7", "[::1]"] {
+            assert!(parse(name).is_ok(), "{name}");
+        }
+        for name in ["", "http://a/", "a:80", "user@a", "a b"] {
+            let error = parse(name).unwrap_err().to_string();
+            assert!(error.contains("expected the name of a host") || error.contains("a value is required"), "{name}: {error}");
+        }
+    }
+
+    #[test]
     fn negative_number_belongs_to_the_option_before_it() {
         for line in ["demo --frames -1", "demo --max-cycles -5", "demo --memory-limit -1"] {
             let words = ["basrelief"].into_iter().chain(line.split(' '));

@@ -81,16 +81,17 @@ impl LadderSearch<'_> {
     fn rungs(&self, first: &CriticalPath) -> Vec<Rung<'_>> {
         let mut rungs: Vec<Rung<'_>> = vec![];
         let mut path = first.clone();
+        let everything = settings(self.relaxations);
         let is_enough =
             |all: Option<u64>, cycles: u64| all.is_some_and(|all| cycles <= all + first.cycles.saturating_sub(all) / LITTLE);
-        while rungs.len() < RUNGS && !is_enough(self.resimulations.known_cycles(&settings(self.relaxations)), path.cycles) {
+        while rungs.len() < RUNGS && !is_enough(self.resimulations.known_cycles(&everything), path.cycles) {
             let relaxed = last_relaxed(&rungs);
             self.ahead.begin_rung(rungs.len());
             let Some((relaxed, next)) = self.next(&path, &relaxed) else { break };
             rungs.push(Rung { relaxed, cycles: next.cycles, relaxes_all: false });
             path = next;
         }
-        let all = self.resimulations.cycles(&settings(self.relaxations));
+        let all = self.resimulations.cycles(&everything);
         // Until another thread knew the cycles with everything relaxed, the search may have gone too far.
         let enough =
             std::iter::once(first.cycles).chain(rungs.iter().map(|rung| rung.cycles)).position(|cycles| is_enough(all, cycles));

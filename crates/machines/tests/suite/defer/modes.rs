@@ -249,6 +249,19 @@ fn trace_without_textures_warns_that_no_tile_is_needed() {
     assert_eq!(warned(&[]), [""; 0]);
     assert_eq!(warned(&[("path.requests", "4"), ("path.tiles_per_request", "4")]), [""; 0]);
     assert_eq!(
+        warned(&[("engine.filter_latency", "90"), ("engine.latency", "7"), ("rasterizer.early_z", "false")]),
+        [
+            "engine.filter_latency = 90 counts as 7, because it is a part of engine.latency = 7",
+            "rasterizer.early_z = false has no effect: this machine tests the depth of fragments before it makes cells of them",
+        ]
+    );
+    let narrow = [("cell.coordinate_format", "fixed"), ("cell.coordinate_bits", "8"), ("cell.coordinate_fraction_bits", "3")];
+    let clamped = warned(&narrow);
+    assert!(
+        clamped[0].contains(" cells exceed their fields and are clamped; lower cell.coordinate_fraction_bits"),
+        "{clamped:?}"
+    );
+    assert_eq!(
         warned(&[("path.requests", "4"), ("path.tiles_per_request", "5")]),
         ["fifo.orders.depth = 16 allows 16 tiles in flight; path.requests x path.tiles_per_request are 20"]
     );

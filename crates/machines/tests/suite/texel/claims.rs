@@ -257,13 +257,21 @@ fn span_record_matches_its_scan_line() {
 #[test]
 fn unused_input_is_a_warning() {
     let mut list = floor([40, 8], [1.0, 0.1], 1.0);
-    assert_eq!(warnings(&timed(&list, &[]).facts), [""; 0], "defaults hold full rate");
-    let short = warnings(&timed(&list, &[("fifo.texels.depth", "2")]).facts);
+    let warned = |list: &[Control], settings: &[(&str, &str)]| warnings(&config(settings), &timed(list, settings).facts);
+    assert_eq!(warned(&list, &[]), [""; 0], "defaults hold full rate");
+    let short = warned(&list, &[("fifo.texels.depth", "2")]);
     assert!(short.len() == 1 && short[0].contains("fifo.texels.depth = 2"), "{short:?}");
+    assert_eq!(
+        warned(&list, &[("look_up.filter_latency", "9"), ("combiner.blend_latency", "4")]),
+        [
+            "look_up.filter_latency = 9 counts as 6, because it is a part of look_up.latency = 6",
+            "combiner.blend_latency = 4 counts as 3, because it is a part of combiner.latency = 3",
+        ]
+    );
     list[2] =
         polygon(&[[1.0, 1.0, 0.5, 1.0], [30.0, 1.0, 0.5, 1.0], [1.0, 8.0, 0.5, 1.0]], &[[0.0; 2]; 3], &material(None), false);
     let ran = timed(&list, &[]);
-    assert!(warnings(&ran.facts)[0].contains("no polygon has a colour texture"));
+    assert!(warnings(&config(&[]), &ran.facts)[0].contains("no polygon has a colour texture"));
     assert_eq!((ran.count("divisions"), ran.count("texels_read")), (0, 0));
 }
 
