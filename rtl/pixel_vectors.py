@@ -8,8 +8,8 @@ from twins import CLUTS, VQ_STRIDE, clut_stride
 FRAME, OBJECT, POLYGON, FRAME_END = 0, 1, 2, 4
 # Address of the z-buffer, and distance between two buffers of the swap chain.
 Z_BUFFER, BUFFER = 0x1000_2000, 1 << 27
-# The third buffer lies behind everything else.
-THIRD_BUFFER = 1 << 40
+# Buffers from the third on lie behind everything else.
+LATER_BUFFERS = 1 << 40
 
 
 class Picture:
@@ -180,7 +180,7 @@ def frame_buffer(base, seed):
 
     def write(line):
         buffer = frames % made.config["display"]["buffers"]
-        return ("w", 0, buffer * BUFFER + (THIRD_BUFFER if buffer == 2 else 0) + line * size, size)
+        return ("w", 0, buffer * BUFFER + (LATER_BUFFERS if buffer >= 2 else 0) + line * size, size)
 
     def steps(bits):
         nonlocal frames
