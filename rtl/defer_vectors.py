@@ -231,7 +231,8 @@ def tile_lists(base, seed):
     streams = [[token(fields, kind=PAGE) for _ in TEXTURES[:-1]], []]
 
     def marks(known):
-        chosen = rng.sample(range(lists.firsts[known]), rng.randint(1, MARKS))
+        tiles = range(lists.firsts[known])
+        chosen = rng.sample(tiles, min(rng.randint(1, MARKS), len(tiles)))
         values = {}
         for i, tile in enumerate(chosen):
             values.update({f"{i}_valid": 1, f"{i}_page": lists.tiles[tile][0], f"{i}_tile": lists.tiles[tile][1], f"{i}_pixels": 1})
