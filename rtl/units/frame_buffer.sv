@@ -18,7 +18,7 @@ module frame_buffer #(parameter PACKETS = 0, LINES = 8, FLAGS = 512, LIMIT = 131
     wire [2:0] kind = in0[`IN0_kind +: 3];
     reg [15:0] width, height;
     reg drawing, ending;
-    reg [1:0] buffer;
+    reg [2:0] buffer;
     wire has_unflagged;
     wire holds = ending || has_unflagged;
     assign start = free && (holds || in0_valid) && mem0_ready && mem1_ready;
@@ -46,7 +46,7 @@ module frame_buffer #(parameter PACKETS = 0, LINES = 8, FLAGS = 512, LIMIT = 131
         .set_cycles, .examine_cycles);
     wire [31:0] written = writes_unflagged ? unflagged : examines ? found : oldest;
     // Buffers of the swap chain are 2^27 bytes apart, and those beyond the second start at 2^40.
-    wire [47:0] base = ({46'd0, buffer} << 27) + (buffer < 2 ? 48'd0 : 48'd1 << 40);
+    wire [47:0] base = ({45'd0, buffer} << 27) + (buffer < 2 ? 48'd0 : 48'd1 << 40);
     assign mem0_request = evicts || writes_gathered || (examines && is_found) || writes_unflagged;
     assign mem0_address = base + written * LINE_BYTES;
     assign mem1_request = finishes;
@@ -69,7 +69,7 @@ module frame_buffer #(parameter PACKETS = 0, LINES = 8, FLAGS = 512, LIMIT = 131
             if (ends) ending <= !finishes;
             if (finishes) begin
                 drawing <= 1'b0;
-                buffer <= buffer == BUFFERS - 1 ? 2'd0 : buffer + 2'd1;
+                buffer <= buffer == BUFFERS - 1 ? 3'd0 : buffer + 3'd1;
             end
         end
 endmodule
