@@ -14,16 +14,17 @@ class Twin:
     `ready` lists memory clients whose credits the unit needs, `requests` clients whose requests are compared, `caches` the cache of a
     client. `blocks` returns true if a step without a token keeps its unit until its answers. `files` returns files that the module reads.
     `rewrite` changes the fields and the bits of the tokens. `writes` gives the writes of a client a port of their own. `needs` gives the values of
-    machine parameters for which the twin holds: a value, or text and test of the value and the whole configuration.
+    machine parameters for which the twin holds: a value, or text and test of the value and the whole configuration. `is_recorded` is false
+    for a twin of no recorded stage, which has synthetic vectors only.
     """
 
     def __init__(self, stages, parameters, passes=(), ready=(), requests=(), is_answered=False, files=None, caches=None, blocks=None, rewrite=None,
-                 writes=None, needs=None):
+                 writes=None, needs=None, is_recorded=True):
         self.stages, self.parameters, self.passes = stages, parameters, passes
         self.caches, self.rewrite, self.writes = caches or {}, rewrite, writes or {}
         self.ready, self.requests, self.is_answered, self.files = ready, requests, is_answered, files
         self.blocks = blocks or (lambda steps, number: False)
-        self.needs = needs or {}
+        self.needs, self.is_recorded = needs or {}, is_recorded
 
     def unfit(self, recording):
         """Returns the first parameter of a recording for which the twin does not hold, in words; `None` if it holds."""
@@ -32,8 +33,22 @@ class Twin:
             found = recording.config[group][name]
             text, holds = needed if isinstance(needed, tuple) else (needed, lambda found, _, needed=needed: found == needed)
             if not holds(found, recording.config):
-                return f"{key} is {found}, and the twin holds for {text} only"
+                return f"{key} is {shown(found)}, and the twin holds for {shown(text)} only"
         return None
+
+    def limits(self):
+        """Returns the parameters for which the twin holds, in words."""
+        return [(key, shown(needed[0] if isinstance(needed, tuple) else needed)) for key, needed in self.needs.items()]
+
+    def is_idle(self, recording):
+        """Returns true if no stage of the twin makes a step in the recording."""
+        names = {stage for machine, stage in self.stages if machine == recording.machine}
+        return self.is_recorded and not any(recording.stages[number]["name"] in names for number in recording.steps)
+
+
+def shown(needed):
+    """Returns a value of a parameter as `--set` spells it."""
+    return str(needed).lower() if isinstance(needed, bool) else str(needed)
 
 
 def circuit(name):
@@ -270,7 +285,7 @@ def list_files(recording, stage):
 # Parameters for which the twins of the replacement and the brightness fetch unit hold.
 STAMPS = {"rasterizer.stamp": 4, "brightness.levels": 2, "replacement.codebook": "fixed"}
 ROWS = ("powers of two that are not below replacement.lanes",
-        lambda entries, config: entries.bit_count() == 1 and entries % config["replacement"]["lanes"] == 0)
+        lambda entries, config: isinstance(entries, int) and entries.bit_count() == 1 and entries % config["replacement"]["lanes"] == 0)
 
 # Address of the VQ tables (121) in memory (120), and the distance between two levels.
 VQ_TABLES, VQ_STRIDE = 0, 512 << 10
@@ -281,11 +296,12 @@ CLUTS = 4 << 20
 TWINS = {
     "register_bank": Twin([("shade", "registers")], lambda *_: {}),
     "brightness_interpolation": Twin([("shade", "interpolation")], interpolation, passes=[0, 1]),
-    "normal_interpolation": Twin([("shade", "normal-interpolation")], normal_interpolation, passes=[0]),
+    "normal_interpolation": Twin([("shade", "normal-interpolation")], normal_interpolation, passes=[0],
+                                 needs={"normal_interpolation.power": "iteration"}),
     "divider": Twin([("texel", "divider")], divider, passes=[0]),
-    "step_calculator": Twin([("texel", "step-calculator")], step_calculator, passes=[0, 1]),
+    "step_calculator": Twin([("texel", "step-calculator")], step_calculator, passes=[0, 1], needs={"texel.method": "adaptive"}),
     "mip_map_selector": Twin([("texel", "mip-map-selector")], lambda recording, _: dict(LATENCY=recording.config["mip"]["latency"]), passes=[0]),
-    "combiner": Twin([("texel", "combiner")], circuit("combiner")),
+    "combiner": Twin([("texel", "combiner")], circuit("combiner"), needs={"combiner.mode": "replace"}),
     "distributor": Twin([("bump", "distributor")], lambda *_: {}),
     "frame_buffer": Twin([("bump", "frame-buffer"), ("shade", "frame-memory"), ("texel", "pixel-value-buffer")], frame_buffer, ready=[0, 1],
                          requests=[0, 1]),
@@ -304,11 +320,11 @@ TWINS = {
     "normal_mapping": Twin([("bump", "normal-mapping")], normal_mapping, passes=[0], ready=[0], is_answered=True,
                            caches={0: "normal_map"}),
     "graphics": Twin([("bump", "graphics")], numbers(LATENCY="latency", AFTER="after"), passes=[0], ready=[0], is_answered=True,
-                     caches={0: "color_texture"}),
-    "channel": Twin([("bump", "channel")], channel, rewrite=channel_tokens),
+                     caches={0: "color_texture"}, needs={"graphics.draw": "streamed"}),
+    "channel": Twin([("bump", "channel")], channel, rewrite=channel_tokens, is_recorded=False),
     "reference_buffer": Twin([("defer", "reference-buffer")], reference_buffer, ready=[0, 1], requests=[0, 1], is_answered=True),
-    "identification": Twin([("defer", "identification")], identification, files=page_files),
-    "tile_lists": Twin([("defer", "tile-lists")], tile_lists, files=list_files),
+    "identification": Twin([("defer", "identification")], identification, files=page_files, needs={"engine.scan_rate": 1}),
+    "tile_lists": Twin([("defer", "tile-lists")], tile_lists, files=list_files, needs={"tile.order": "listed", "defer.left_at_tile": []}),
     "gate": Twin([("shade", "gate")], circuit("gate")),
     "adder": Twin([("shade", "adder")], circuit("adder")),
     "selector_53": Twin([("shade", "selector-53")], circuit("selector_53")),
