@@ -259,7 +259,7 @@ def reference_buffer(base, seed):
                    "engine": {**base.config["engine"], "flags": [131_072, 7][seed], "flags_per_cycle": [64, 3][seed]}}
     rng, names = made.random, made.stages[made.only]
     fields, out = made.fields[names["inputs"][0]], made.fields[names["outputs"][0]]
-    streams = [[], []]
+    streams, lanes = [[], []], sum(name.endswith("_coefficient_1") for name, *_ in fields)
     for number in range(6):
         width, height = rng.randint(1, 23), rng.randint(1, 23)
         streams[0].append(token(fields, kind=FRAME, number=number, width=width, height=height))
@@ -269,7 +269,7 @@ def reference_buffer(base, seed):
             x, y = (4 * rng.randrange(-(-side // 4)) for side in (width, height))
             places = [(x + c, y + r) for r in range(4) for c in range(4) if x + c < width and y + r < height]
             values = {}
-            chosen = rng.sample(places, min(rng.randint(1, 4), len(places)))
+            chosen = rng.sample(places, min(rng.randint(1, lanes), len(places)))
             for i, (column, row) in enumerate(chosen):
                 cell = (rng.choice([DIRECT, 0, 1]), (1, 2), (rng.uniform(-9, 9), rng.uniform(-9, 9)), rng.uniform(0, 3))
                 values.update({f"{i}_x": column, f"{i}_y": row, f"{i}_coefficient_1": rng.getrandbits(16), **cell_values(f"{i}_", cell)})

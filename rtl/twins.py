@@ -324,7 +324,7 @@ TWINS = {
     "channel": Twin([("bump", "channel")], channel, rewrite=channel_tokens, is_recorded=False),
     "reference_buffer": Twin([("defer", "reference-buffer")], reference_buffer, ready=[0, 1], requests=[0, 1], is_answered=True),
     "identification": Twin([("defer", "identification")], identification, files=page_files, needs={"engine.scan_rate": 1}),
-    "tile_lists": Twin([("defer", "tile-lists")], tile_lists, files=list_files, needs={"tile.order": "listed", "defer.left_at_tile": []}),
+    "tile_lists": Twin([("defer", "tile-lists")], tile_lists, files=list_files, needs={"tile.order": "listed", "defer.left_at_tile": [], "defer.left_at_ms": []}),
     "gate": Twin([("shade", "gate")], circuit("gate")),
     "adder": Twin([("shade", "adder")], circuit("adder")),
     "selector_53": Twin([("shade", "selector-53")], circuit("selector_53")),
