@@ -287,6 +287,9 @@ STAMPS = {"rasterizer.stamp": 4, "brightness.levels": 2, "replacement.codebook":
 ROWS = ("powers of two that are not below replacement.lanes",
         lambda entries, config: isinstance(entries, int) and entries.bit_count() == 1 and entries % config["replacement"]["lanes"] == 0)
 
+# Tiles that a scan tests at once: Verilator does not unroll larger loops of this body.
+SCANNED = ("at most 64", lambda rate, _: rate <= 64)
+
 # Address of the VQ tables (121) in memory (120), and the distance between two levels.
 VQ_TABLES, VQ_STRIDE = 0, 512 << 10
 # Address of the CLUTs (122).
@@ -297,7 +300,7 @@ TWINS = {
     "register_bank": Twin([("shade", "registers")], lambda *_: {}),
     "brightness_interpolation": Twin([("shade", "interpolation")], interpolation, passes=[0, 1]),
     "normal_interpolation": Twin([("shade", "normal-interpolation")], normal_interpolation, passes=[0],
-                                 needs={"normal_interpolation.power": "iteration"}),
+                                 needs={"normal_interpolation.power": "iteration", "normal_interpolation.pipelined": False}),
     "divider": Twin([("texel", "divider")], divider, passes=[0]),
     "step_calculator": Twin([("texel", "step-calculator")], step_calculator, passes=[0, 1], needs={"texel.method": "adaptive"}),
     "mip_map_selector": Twin([("texel", "mip-map-selector")], lambda recording, _: dict(LATENCY=recording.config["mip"]["latency"]), passes=[0]),
@@ -324,7 +327,8 @@ TWINS = {
     "channel": Twin([("bump", "channel")], channel, rewrite=channel_tokens, is_recorded=False),
     "reference_buffer": Twin([("defer", "reference-buffer")], reference_buffer, ready=[0, 1], requests=[0, 1], is_answered=True),
     "identification": Twin([("defer", "identification")], identification, files=page_files, needs={"engine.scan_rate": 1}),
-    "tile_lists": Twin([("defer", "tile-lists")], tile_lists, files=list_files, needs={"tile.order": "listed", "defer.left_at_tile": [], "defer.left_at_ms": []}),
+    "tile_lists": Twin([("defer", "tile-lists")], tile_lists, files=list_files,
+                       needs={"tile.order": "listed", "defer.left_at_tile": [], "defer.left_at_ms": [], "engine.list_rate": SCANNED}),
     "gate": Twin([("shade", "gate")], circuit("gate")),
     "adder": Twin([("shade", "adder")], circuit("adder")),
     "selector_53": Twin([("shade", "selector-53")], circuit("selector_53")),

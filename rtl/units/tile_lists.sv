@@ -4,7 +4,7 @@
 // MODE is 0 for best resolution, 1 for progressive, 2 for conventional. A scan tests RATE tiles per cycle, page by page from layer Dmax (133) down.
 // Set-up registers hold this order, and the sources of each tile, as tile pitch (138) and tile base (140) give them. Tiles of all pages are
 // numbered through. The beginning of a view resets RATE tiles per cycle. A view ends after PICTURES pictures, never if 0. Holds for
-// `tile.order` = listed, without `defer.left_at_tile` and `defer.left_at_ms`.
+// `tile.order` = listed, `engine.list_rate` up to 64, without `defer.left_at_tile` and `defer.left_at_ms`.
 `default_nettype none
 module tile_lists #(parameter LATENCY = 8, RATE = 16, MODE = 0, PICTURES = 0, TILES = 256, PAGES = 4, MARKS = 16) (
     input  wire               clk, rst,
