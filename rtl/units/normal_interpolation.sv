@@ -1,7 +1,8 @@
 // Normal-interpolation brightness circuit (50) of JP H07-72915, Figure 1: Ks times the sum of Is (N.H)^n for every dot, equation (12).
 //
 // The power is computed by iteration: a squaring for each binary digit of n but the first, and a product for each one. Each light occupies the
-// circuit for the time of its power, because `normal_interpolation.pipelined` is false. Timing twin: dots are in floating point, so the bench passes them in (`pass0`).
+// circuit for the time of its power, because `normal_interpolation.pipelined` is false. Timing twin: dots are in floating point, so the bench
+// passes them in (`pass0`).
 `default_nettype none
 module normal_interpolation #(parameter SET_UP = 1, FIXED = 1, SUM = 1, MULTIPLY = 1, PRODUCTS = 1, NORMALISE = 1) (
     input  wire               clk, rst,
