@@ -283,7 +283,7 @@ def list_files(recording, stage):
 
 
 # Parameters for which the twins of the replacement and the brightness fetch unit hold.
-STAMPS = {"rasterizer.stamp": 4, "brightness.levels": 2, "replacement.codebook": "fixed"}
+STAMPS = {"rasterizer.stamp": 4, "normal_mapping.filter_at": "normal", "brightness.levels": 2, "replacement.codebook": "fixed"}
 ROWS = ("powers of two that are not below replacement.lanes",
         lambda entries, config: isinstance(entries, int) and entries.bit_count() == 1 and entries % config["replacement"]["lanes"] == 0)
 
