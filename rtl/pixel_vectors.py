@@ -216,10 +216,11 @@ def brightness(base, seed):
     """Returns vectors of the brightness fetch unit (112): several sets of CLUTs, one and two levels, each calculated on its first use."""
     made = Synthetic(base, "brightness", seed, caches={0: "clut"})
     rng, count, stride = made.random, base.config["replacement"]["entries"], clut_stride(base, made.only)
+    sets = min(base.config["brightness"]["sets"], 3)
     known = made.tables[made.only]
     # A full scale of as many steps as a brightness has, so that each step is a whole number.
     full = f"{single_bits(255.0 * 128):08x}"
-    cluts = {(number, level): [rng.choice([0, 255, rng.randrange(256)]) for _ in range(count)] for number in range(3) for level in range(8)}
+    cluts = {(number, level): [rng.choice([0, 255, rng.randrange(256)]) for _ in range(count)] for number in range(sets) for level in range(8)}
     address = lambda number, level: CLUTS + (number * 8 + level) * stride  # noqa: E731
     made.tables[made.only] = {name: table for name, table in known.items() if not name.startswith("clut.")}
     made.tables[made.only].update({f"clut.{address(*key)}.{full}": entries for key, entries in cluts.items()})
@@ -238,7 +239,7 @@ def brightness(base, seed):
                 values.update({f"sample_{sample}_level": first + sample, f"sample_{sample}_{lane}_index": rng.randrange(count),
                                f"sample_{sample}_{lane}_share": 128 - share if sample else share})
         tokens.append(token(fields, item=1, stamp_count=pixels, samples=samples, **values))
-        of[len(tokens) - 1] = rng.randrange(3)
+        of[len(tokens) - 1] = rng.randrange(sets)
     place = iter(range(len(tokens)))
 
     def rebuild(key):

@@ -312,7 +312,7 @@ TWINS = {
                        caches={0: "clut"}, blocks=lambda steps, number: any(kind == "r" for kind, *_ in steps[number]["requests"]),
                        rewrite=brightness_tokens, writes={1: 2},
                        needs={**STAMPS, "replacement.entries": ROWS, "brightness.source": "clut", "brightness.components": "combined",
-                              "brightness.samples_per_cycle": 2}),
+                              "brightness.bits": 8, "brightness.samples_per_cycle": 2}),
     "replacement": Twin([("bump", "replacement")], replacement, ready=[0], requests=[0], is_answered=True, files=reference_normals,
                         blocks=lambda steps, number: number + 1 == len(steps) or not steps[number + 1]["requests"],
                         needs={**STAMPS, "replacement.entries": ROWS, "replacement.pipelined": False, "normal_mapping.normal_bits": 16}),

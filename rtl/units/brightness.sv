@@ -22,7 +22,7 @@ module brightness #(parameter LATENCY = 2, ENTRIES = 256, SETS = 16, STRIDE = 25
 );
     localparam SAMPLE = `IN0_sample_1_level - `IN0_sample_0_level, LANE = `IN0_sample_0_1_share - `IN0_sample_0_0_share;
     localparam IN_LANE = `IN0_stamp_1_x - `IN0_stamp_0_x, OUT_LANE = `OUT0_1_x - `OUT0_0_x, FRAGMENT = `OUT0_0_brightness - `OUT0_0_x;
-    localparam CODE_BOOK = 3, S = $clog2(SETS), E = $clog2(ENTRIES);
+    localparam CODE_BOOK = 3, S = SETS > 1 ? $clog2(SETS) : 1, E = $clog2(ENTRIES);
     reg [7:0] entries [0:SETS*8*ENTRIES-1];
     initial $readmemh("clut.hex", entries);
     reg [SETS*8-1:0] calculated;
