@@ -1,5 +1,7 @@
 """The twins: for each unit its file, the stages that it is compared with, and its parameters."""
 
+import functools
+
 from channel_vectors import channel, channel_tokens
 from geometry import geometry, geometry_tokens
 from floats import single_of
@@ -29,8 +31,7 @@ class Twin:
     def unfit(self, recording):
         """Returns the first parameter of a recording for which the twin does not hold, in words; `None` if it holds."""
         for key, needed in self.needs.items():
-            group, name = key.split(".")
-            found = recording.config[group][name]
+            found = functools.reduce(dict.__getitem__, key.split("."), recording.config)
             text, holds = needed if isinstance(needed, tuple) else (needed, lambda found, _, needed=needed: found == needed)
             if not holds(found, recording.config):
                 return f"{key} is {shown(found)}, and the twin holds for {shown(text)} only"
@@ -287,8 +288,8 @@ STAMPS = {"rasterizer.stamp": 4, "normal_mapping.filter_at": "normal", "brightne
 ROWS = ("powers of two that are not below replacement.lanes",
         lambda entries, config: isinstance(entries, int) and entries.bit_count() == 1 and entries % config["replacement"]["lanes"] == 0)
 
-# Tiles that a scan tests at once: Verilator does not unroll larger loops of this body.
-SCANNED = ("at most 64", lambda rate, _: rate <= 64)
+# Tiles that a scan tests at once, because Verilator does not unroll larger loops of this body. Banks of a channel, by the bits of a burst.
+UP_TO_64 = ("at most 64", lambda number, _: number <= 64)
 
 # Address of the VQ tables (121) in memory (120), and the distance between two levels.
 VQ_TABLES, VQ_STRIDE = 0, 512 << 10
@@ -325,11 +326,11 @@ TWINS = {
                            caches={0: "normal_map"}),
     "graphics": Twin([("bump", "graphics")], numbers(LATENCY="latency", AFTER="after"), passes=[0], ready=[0], is_answered=True,
                      caches={0: "color_texture"}, needs={"graphics.draw": "streamed"}),
-    "channel": Twin([("bump", "channel")], channel, rewrite=channel_tokens, is_recorded=False),
+    "channel": Twin([("bump", "channel")], channel, rewrite=channel_tokens, is_recorded=False, needs={"memory.graphics.banks": UP_TO_64}),
     "reference_buffer": Twin([("defer", "reference-buffer")], reference_buffer, ready=[0, 1], requests=[0, 1], is_answered=True),
     "identification": Twin([("defer", "identification")], identification, files=page_files, needs={"engine.scan_rate": 1}),
     "tile_lists": Twin([("defer", "tile-lists")], tile_lists, files=list_files,
-                       needs={"tile.order": "listed", "defer.left_at_tile": [], "defer.left_at_ms": [], "engine.list_rate": SCANNED}),
+                       needs={"tile.order": "listed", "defer.left_at_tile": [], "defer.left_at_ms": [], "engine.list_rate": UP_TO_64}),
     "gate": Twin([("shade", "gate")], circuit("gate")),
     "adder": Twin([("shade", "adder")], circuit("adder")),
     "selector_53": Twin([("shade", "selector-53")], circuit("selector_53")),
