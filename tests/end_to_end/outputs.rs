@@ -175,7 +175,7 @@ fn outputs_never_overwrite_inputs() {
     fs::write(place.path("c.toml"), "replacement.entries = 64\n").expect("written");
     for (line, option, what) in [
         ("run t.jsonl --timeline ./t.jsonl", "--timeline", "INPUT"),
-        ("run t.jsonl --tokens t.jsonl", "--tokens", "INPUT"),
+        ("run t.jsonl --recording t.jsonl", "--recording", "INPUT"),
         ("run t.jsonl --requests t.jsonl", "--requests", "INPUT"),
         ("demo --size 16x12 --config c.toml --timeline c.toml", "--timeline", "--config"),
         ("demo --machine texel --size 16x12 --camera c.toml --dump spans c.toml", "--dump", "--camera"),

@@ -105,11 +105,11 @@ fn time_line_of_few_cycles_and_units_is_small() {
 #[test]
 fn time_line_after_the_end_of_the_run_is_warned_of() {
     let place = Place::new();
-    let warning = "warning: timelines and waveforms are empty: they start at cycle 100,000,000, but the run has ";
+    let warning = "warning: timelines, waveforms and token files are empty: they start at cycle 100,000,000, but the run has ";
     for (first, is_empty) in [("100000000", true), ("0", false)] {
         let said = place.ok(&format!("{SMALL} --timeline late.pftrace --from-cycle {first}")).out;
         assert_eq!(said.contains(warning), is_empty, "{said}");
-        assert_eq!(place.report("out")["warnings"].to_string().contains("waveforms are empty"), is_empty);
+        assert_eq!(place.report("out")["warnings"].to_string().contains("token files are empty"), is_empty);
     }
 }
 

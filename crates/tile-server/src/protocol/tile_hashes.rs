@@ -90,7 +90,7 @@ impl GroupHashes {
     pub fn check_list(&self, picture: &str, group: u32, list: &[u8]) -> Result<(), String> {
         let stated = self.0.get(picture).and_then(|(_, groups)| groups.get(group as usize));
         let stated = stated.ok_or("the scene states no hash of these tiles")?;
-        if hex(stated) == hash_of(list) { Ok(()) } else { Err("not the list of tiles that the scene states".into()) }
+        if hex(stated) == hash_of(list) { Ok(()) } else { Err("not the list that the scene states".into()) }
     }
 
     /// Checks the hash of a tile. `list` returns the checked list of its group.

@@ -255,7 +255,7 @@ fn trace_without_textures_warns_that_no_tile_is_needed() {
             "rasterizer.early_z = false has no effect: this machine tests the depth of fragments before it makes cells of them",
         ]
     );
-    let narrow = [("cell.coordinate_format", "fixed"), ("cell.coordinate_bits", "8"), ("cell.coordinate_fraction_bits", "3")];
+    let narrow = [("cell.coordinate_format", "fixed"), ("cell.coordinate_bits", "12"), ("cell.coordinate_fraction_bits", "7")];
     let clamped = warned(&narrow);
     assert!(
         clamped[0].contains(" cells exceed their fields and are clamped; lower cell.coordinate_fraction_bits"),
