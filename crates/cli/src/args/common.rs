@@ -120,7 +120,10 @@ pub enum TokenKind {
 
 /// Options of the simulation and its outputs.
 #[derive(Clone, Debug, Args)]
-#[command(next_help_heading = "Simulation", group = ArgGroup::new("time_line").multiple(true))]
+#[command(
+    next_help_heading = "Simulation",
+    groups = [ArgGroup::new("time_line").multiple(true), ArgGroup::new("token_paths").multiple(true)],
+)]
 pub struct SimulationArgs {
     /// Simulation engine; both give the same report.
     #[arg(long, value_enum, default_value_t)]

@@ -149,6 +149,7 @@ mod tests {
     fn flows_of_timelines_can_be_chosen_alone() {
         let parse = |line: &str| command().try_get_matches_from(["basrelief", "demo"].into_iter().chain(line.split(' ')));
         assert!(parse("--timeline a.pftrace --tokens-every 8 --tokens-of polygons").is_ok());
+        assert!(parse("--timeline a.pftrace --waves a.fst --tokens a.kanata --tokens-every 8").is_ok());
         assert!(parse("--waves a.fst --tokens-every 8").is_err());
     }
 
