@@ -135,7 +135,9 @@ mod tests {
     #[test]
     fn file_of_another_format_is_refused() {
         let parse = |option: &str, path: &str| command().try_get_matches_from(["basrelief", "demo", option, path]);
-        for (option, ending, wrong) in [("--tokens", "kanata", "run.txt"), ("--rtl", "wires", "run.wires.gz")] {
+        for (option, ending, wrong) in
+            [("--tokens", "kanata", "run.txt"), ("--tokens", "kanata", "run.kanata.ZST"), ("--rtl", "wires", "run.wires.gz")]
+        {
             let error = parse(option, wrong).unwrap_err().to_string();
             assert!(error.contains(&format!("expected a name that ends in .{ending} or .{ending}.zst")), "{error}");
             for path in [format!("run.{ending}"), format!("run.{ending}.zst"), "run".into(), "run.zst".into(), "/dev/null".into()]

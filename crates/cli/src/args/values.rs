@@ -46,39 +46,33 @@ pub fn output_file() -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(|path| not_stdout(&path).map(|()| path.clone()))
 }
 
-/// The path of waveforms. The ending of another format is an error.
+/// The path of waveforms.
 pub fn wave_file() -> impl TypedValueParser<Value = PathBuf> {
-    output_file().try_map(|path: PathBuf| match has_other_ending(&path, "fst") {
-        true => Err("expected a name that ends in .fst, the format that is written"),
-        false => Ok(path),
-    })
+    file_in_format("fst", false)
 }
 
-/// The path of token paths, compressed or not. The ending of another format is an error.
+/// The path of token paths.
 pub fn token_file() -> impl TypedValueParser<Value = PathBuf> {
-    output_file().try_map(|path: PathBuf| match has_other_ending(uncompressed(&path), "kanata") {
-        true => Err("expected a name that ends in .kanata or .kanata.zst, the format that is written"),
-        false => Ok(path),
-    })
+    file_in_format("kanata", true)
 }
 
-/// The path of a record of wires, compressed or not. The ending of another format is an error.
+/// The path of a record of wires.
 pub fn wire_file() -> impl TypedValueParser<Value = PathBuf> {
-    output_file().try_map(|path: PathBuf| match has_other_ending(uncompressed(&path), "wires") {
-        true => Err("expected a name that ends in .wires or .wires.zst, the format that is written"),
-        false => Ok(path),
+    file_in_format("wires", true)
+}
+
+/// The path of an output in one format, with its ending or none. The ending of another format is an error. `.zst` is written in small letters,
+/// because only that name compresses the file.
+fn file_in_format(format: &'static str, may_be_compressed: bool) -> impl TypedValueParser<Value = PathBuf> {
+    output_file().try_map(move |path: PathBuf| {
+        let is_compressed = may_be_compressed && path.extension().is_some_and(|ending| ending == "zst");
+        let name = path.file_stem().filter(|_| is_compressed).map_or(&*path, Path::new);
+        if name.extension().is_none_or(|ending| ending.eq_ignore_ascii_case(format)) {
+            return Ok(path);
+        }
+        let compressed = if may_be_compressed { format!(" or .{format}.zst") } else { String::new() };
+        Err(format!("expected a name that ends in .{format}{compressed}, the format that is written"))
     })
-}
-
-/// Returns the path without the ending `.zst`.
-fn uncompressed(path: &Path) -> &Path {
-    let is_compressed = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zst"));
-    path.file_stem().filter(|_| is_compressed).map_or(path, Path::new)
-}
-
-/// Returns true if the name of a file has an ending, but not this one.
-fn has_other_ending(path: &Path, ending: &str) -> bool {
-    path.extension().is_some_and(|other| !other.eq_ignore_ascii_case(ending))
 }
 
 /// Parses the name of a host.
