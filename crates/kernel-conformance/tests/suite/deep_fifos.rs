@@ -1,4 +1,4 @@
-//! FIFOs deeper than the ring of times with which they begin: rings that grow, and rings whose entries are used again.
+//! Deep FIFOs. The ring of their times begins small, grows, and uses entries again.
 
 use crate::common::{PlanBuilder, run_both, small_memory};
 use basrelief_kernel_conformance::plan::{Plan, PlanRequest, UnitKind};

@@ -42,8 +42,8 @@ pub(crate) struct FifoTiming {
     /// True if the ring has no room for the tokens up to the next settlement.
     must_grow: Cell<bool>,
     depth: usize,
-    /// Tokens between the next push and the token whose slot it takes: the depth, or 0 as long as the ring is not full-grown. By then,
-    /// the entry of the next push says that a slot is free before the last push.
+    /// Tokens between the next push and the token whose slot it takes: the depth, or 0 as long as the ring is not full-grown. Until
+    /// then, the entry of the next push has a time that no later push waits for.
     slots_back: usize,
     /// Numbers of the next push, delivery and pop.
     pushed: Cell<usize>,
